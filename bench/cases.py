@@ -4,6 +4,7 @@ from pathlib import Path
 
 FRAMES = 20
 SCENARIOS = ("lead", "oncoming", "crossing", "parked", "truck", "far", "banner")
+MASK_ERRORS = ("miss", "burst", "late", "tight", "boxes", "false")
 STREET = "Synthetic street"
 
 
@@ -19,6 +20,8 @@ class Case:
     drive: str = "drive"
     sources: tuple[str, ...] = ()  # further drives given to `dvi run`
     ablated: bool = False
+    true_masks: str = ""  # folder of the masks of the virtual traffic, inside the case's
+    mask_errors: str = ""  # kind of `dvi holdout --mask-errors`; empty: correct masks
 
 
 @dataclass(frozen=True)
@@ -61,17 +64,40 @@ def street(size: tuple[int, int] = (640, 360), frames: int = FRAMES) -> list[Cas
     ]
 
 
-def held_out(recording: Recording) -> list[Case]:
+def held_out_case(recording: Recording, scenario: str, errors: str = "") -> Case:
     """Virtual traffic in a real drive: the truth is known behind it."""
     frames = ("--frames", recording.frames) if recording.frames else ()
+    # With the given poses of the drive, because the comparison includes the estimation of better ones.
+    command = ("holdout", str(recording.path), "-o", ".", "--scenario", scenario, "--seed", "1", "--poses", "given", *frames)
+    return Case(f"{recording.name}-{scenario}{errors and '-'}{errors}", recording.name, scenario, HELD_OUT[scenario],
+                ((*command, *mask_errors(errors)),), "truth", ignore="ignore", ablated=scenario == "lead" and not errors,
+                true_masks="truth_masks", mask_errors=errors)
 
-    def case(scenario: str) -> Case:
-        # With the given poses of the drive, because the comparison includes the estimation of better ones.
-        command = ("holdout", str(recording.path), "-o", ".", "--scenario", scenario, "--seed", "1", "--poses", "given", *frames)
-        return Case(f"{recording.name}-{scenario}", recording.name, scenario, HELD_OUT[scenario], (command,),
-                    "truth", ignore="ignore", ablated=scenario == "lead")
 
-    return [case(scenario) for scenario in SCENARIOS]
+def held_out(recording: Recording) -> list[Case]:
+    return [held_out_case(recording, scenario) for scenario in SCENARIOS]
+
+
+def mask_errors(kind: str) -> tuple[str, ...]:
+    return ("--mask-errors", kind) if kind else ()
+
+
+def street_masks(size: tuple[int, int] = (640, 360), frames: int = FRAMES) -> list[Case]:
+    """Virtual traffic in the synthetic street, with correct masks and with every kind of errors."""
+    synth = ("synth", "-o", "street", "--width", str(size[0]), "--height", str(size[1]), "--frames", str(frames))
+
+    def case(scenario: str, errors: str) -> Case:
+        hold = ("holdout", "street", "-o", "case", "--scenario", scenario, "--seed", "1", "--poses", "given", *mask_errors(errors))
+        return Case(f"street-{scenario}{errors and '-'}{errors}", STREET, scenario, HELD_OUT[scenario], (synth, hold),
+                    "case/truth", "case/ignore", "case/drive", true_masks="case/truth_masks", mask_errors=errors)
+
+    return [case(scenario, errors) for scenario in ("lead", "oncoming") for errors in ("", *MASK_ERRORS)]
+
+
+def held_out_masks(recording: Recording) -> list[Case]:
+    """Virtual traffic in a real drive, with correct masks and with three kinds of errors."""
+    return [held_out_case(recording, scenario, errors) for scenario in ("lead", "oncoming", "crossing", "parked")
+            for errors in ("", "miss", "burst", "boxes")]
 
 
 def find_recordings(data: Path) -> list[Recording]:

@@ -3,14 +3,14 @@ import os
 import platform
 import re
 import subprocess
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import pictures
-from cases import STREET, Case
+from cases import MASK_ERRORS, STREET, Case
 from scoring import Scorer, picture_names
 from tables import cell, delta, interval, percent, share_of, table
-from variants import DVI, Variant, applies
+from variants import AS_GIVEN, DVI, Variant, applies
 
 TREE = Path(__file__).resolve().parent.parent
 ORIGINS = {"copied": "copied", "interpolated": "interpolated", "synthesized": "synthesized", "empty": "left empty"}
@@ -26,6 +26,7 @@ class Outcome:
     externals: list[str]
     results: dict[tuple[str, str], dict]  # case, variant or external -> result
     failures: list[tuple[str, str, str]]  # case, what, message
+    masked: list[Case] = field(default_factory=list)  # cases with mask errors, and the same cases with correct masks
 
     def audits(self) -> dict[tuple[str, str], str]:
         """The finding of `dvi audit` for each run; empty: none. Frames of other programs have no provenance."""
@@ -54,6 +55,9 @@ class Outcome:
 
     def evaluation(self, case: Case, name: str) -> dict | None:
         return self.results.get((case.name, name), {}).get("evaluation")
+
+    def true_pixels(self, case: Case, name: str) -> dict | None:
+        return self.results.get((case.name, name), {}).get("true_pixels")
 
     def groups(self) -> dict[str, list[Case]]:
         grouped: dict[str, list[Case]] = {}
@@ -148,6 +152,39 @@ def ablations(outcome: Outcome) -> str:
     if left := [v.name for v in outcome.ablations if v not in whole]:
         text.append(f"Not run on every case, and therefore left out: {', '.join(left)}.\n")
     return "\n".join(text)
+
+
+INCOMPLETE = """## Incomplete masks
+The masks of the virtual traffic have the errors of detectors and annotators ([holdout.md](holdout.md#incomplete-masks) defines the
+kinds). Images, scans and truth are those of correct masks. `dvi` completes objects where their masks lack them. `masks as given`
+removes only the masked pixels (`objects.complete=false`). PSNR in dB: all pixels of the virtual traffic / those that the given
+masks cover, and in parentheses the share of all its pixels that were removed. Pixels that were not removed show the virtual traffic
+and count with their full error. Virtual traffic that is not removed from one frame may also be copied into the holes of other
+frames, which the covered pixels show. Each kind of errors covers other pixels, so compare these figures within a column only.
+"""
+
+
+def removed_share(figures: dict) -> float:
+    """The share of the scored pixels that were filled or left empty."""
+    return sum(figures[origin]["pixels"] for origin in ORIGINS) / figures["all"]["pixels"]
+
+
+def incomplete_masks(outcome: Outcome) -> str:
+    def entry(case: Case | None, name: str) -> str:
+        if not case or not (figures := outcome.true_pixels(case, name)):
+            return "-"
+        share = percent(removed_share(figures["all"]))
+        return f"{cell(figures['all']['all']['psnr'])} / {cell(figures['covered']['all']['psnr'])} ({share})"
+
+    measured = [case for case in outcome.masked if outcome.true_pixels(case, DVI.name)]
+    text = [INCOMPLETE]
+    for group in dict.fromkeys(case.group for case in measured):
+        by_kind = {(case.short, case.mask_errors): case for case in measured if case.group == group}
+        kinds = [kind for kind in ("", *MASK_ERRORS) if any(known == kind for _, known in by_kind)]
+        rows = [[short, name, *(entry(by_kind.get((short, kind)), name) for kind in kinds)]
+                for short in dict.fromkeys(short for short, _ in by_kind) for name in (DVI.name, AS_GIVEN.name)]
+        text.append(table([group, "", *(kind or "correct" for kind in kinds)], rows, words=2))
+    return "\n".join(text) if measured else ""
 
 
 def confidence(outcome: Outcome) -> str:
@@ -253,7 +290,7 @@ def write(target: Path, images: Path, outcome: Outcome, scorer: Scorer, command:
     if outcome.whole_ablations() and outcome.ablated():
         pictures.plot_ablations(outcome, images / "ablations.svg")
         text.append(image("ablations.svg", "The effect of each ablation, case by case"))
-    text.append(confidence(outcome))
+    text += [incomplete_masks(outcome), confidence(outcome)]
     if any(outcome.evaluation(case, DVI.name)["confidence"] for case in outcome.finished()):
         pictures.plot_confidence(outcome, images / "confidence.svg")
         text.append(image("confidence.svg", "Reliability of the confidence: measured over predicted, case by case"))

@@ -9,7 +9,7 @@ import argparse
 import os
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import cases
@@ -48,12 +48,16 @@ class Progress:
         self.due -= count
 
 
-def plan(chosen: list[Case], methods: list[Variant], ablations: list[Variant]) -> list[tuple[Case, list[Variant]]]:
+def plan(chosen: list[Case], methods: list[Variant], ablations: list[Variant],
+         masked: Sequence[Case] = ()) -> list[tuple[Case, list[Variant]]]:
     """The runs in order: all methods before any ablation, and real drives first; dvi before other methods, because its result
-    determines the pixels to compare and the frames to show. Each ablation runs on all cases, so that the page has whole rows."""
+    determines the pixels to compare and the frames to show. Each ablation runs on all cases, so that the page has whole rows.
+    Only dvi runs on cases with mask errors, with and without the completion of objects."""
     others = [method for method in methods if method != variants.DVI]
     chosen = sorted(chosen, key=lambda case: case.group == cases.STREET)
     return ([(case, [variants.DVI, *others]) for case in chosen]
+            + [(case, [variants.DVI, variants.AS_GIVEN] if case.mask_errors else [variants.DVI])
+               for case in masked if case not in chosen]
             + [(case, [ablation]) for ablation in ablations for case in chosen
                if case.ablated and variants.applies(ablation, case)])
 
@@ -74,7 +78,7 @@ def attempt(outcome: Outcome, case: Case, what: str, work: Callable[[], dict | N
 
 def run_all(scorer: Scorer, outcome: Outcome, until: float = float("inf")) -> None:
     """Runs everything that can begin before a time of the monotonic clock; the rest is missing on the page."""
-    todo = plan(outcome.cases, outcome.methods, outcome.ablations)
+    todo = plan(outcome.cases, outcome.methods, outcome.ablations, outcome.masked)
     due = [(case, [variant for variant in row if scorer.known(case, variant) is None]) for case, row in todo]
     progress = Progress(sum(len(row) for _, row in due))
     failed: set[str] = set()  # cases without a result of dvi: there is nothing to compare with
@@ -135,12 +139,18 @@ def choose_cases(recordings: list[cases.Recording], quick: bool) -> list[Case]:
     return [case for case in chosen if case.name in ("street-exact", "street-two-days", f"{first}-lead")]
 
 
+def choose_masked(recordings: list[cases.Recording], quick: bool) -> list[Case]:
+    if quick:
+        return []
+    return cases.street_masks() + [case for recording in recordings for case in cases.held_out_masks(recording)]
+
+
 def parse_external(text: str) -> tuple[str, Path]:
     """NAME=DIR. ValueError otherwise."""
     name, equals, folder = text.partition("=")
     if not (name and equals and folder) or "/" in name:
         raise ValueError(f"--external {text}: expected NAME=DIR")
-    if name in [variant.name for variant in (*variants.METHODS, *variants.ABLATIONS)] or name.startswith("paper-"):
+    if name in [variant.name for variant in (*variants.METHODS, variants.AS_GIVEN, *variants.ABLATIONS)] or name.startswith("paper-"):
         raise ValueError(f"--external {text}: '{name}' is a variant of dvi's; take another name")
     if not Path(folder).is_dir():
         raise ValueError(f"--external {text}: {folder} is not a folder; expected DIR/CASE/NAME.png")
@@ -194,8 +204,9 @@ def main(arguments: list[str]) -> int:
     scorer = Scorer(given.dvi, root)
     differing = variants.differences(*(variants.options(given.dvi, method) for method in ("dvi", "paper")))
     ablations = () if given.quick else (*variants.ABLATIONS, *variants.published_switches(differing))
-    outcome = Outcome(choose_cases(recordings(given.drive), given.quick), list(variants.METHODS), [*ablations, *changed],
-                      differing, list(given.external), {}, [])
+    drives = recordings(given.drive)
+    outcome = Outcome(choose_cases(drives, given.quick), list(variants.METHODS), [*ablations, *changed],
+                      differing, list(given.external), {}, [], choose_masked(drives, given.quick))
     run_all(scorer, outcome, time.monotonic() + 60 * given.minutes)
     outcome.cases[:] = [case for case in outcome.cases if (case.name, variants.DVI.name) in outcome.results]
     run_externals(scorer, outcome, given.external)

@@ -16,7 +16,8 @@ try:
     import page
     import pictures
     import quality
-    from scoring import Failed, Scorer, picture_names
+    from PIL import Image
+    from scoring import Failed, Scorer, intersect, picture_names
     MISSING = ""
 except ImportError as why:
     MISSING = f"{why}: ./dev bench quality installs it"
@@ -59,7 +60,7 @@ class Variants(unittest.TestCase):
                          ["paper-map-enabled", "paper-depth-enabled"])
 
     def test_names_are_folders_of_their_own(self):
-        names = [variant.name for variant in (*variants.METHODS, *variants.ABLATIONS)]
+        names = [variant.name for variant in (*variants.METHODS, variants.AS_GIVEN, *variants.ABLATIONS)]
         self.assertEqual(len(names), len(set(names)))
 
 
@@ -76,6 +77,17 @@ class Cases(unittest.TestCase):
         self.assertEqual([(drive.name, drive.frames) for drive in found], [("kitti-0042", "7:26")])
         self.assertEqual([case.name for case in cases.held_out(found[0]) if case.ablated], ["kitti-0042-lead"])
 
+    def test_cases_with_mask_errors_follow_the_same_case_with_correct_masks(self):
+        drive = cases.Recording("mine", self.folder, "3:9")
+        street, held = cases.street_masks(), cases.held_out_masks(drive)
+        self.assertEqual([case.mask_errors for case in street], 2 * ["", *cases.MASK_ERRORS])
+        self.assertEqual([case.mask_errors for case in held], 4 * ["", "miss", "burst", "boxes"])
+        names = [case.name for case in (*street, *held, *cases.street())]
+        self.assertEqual(len(names), len(set(names)))
+        self.assertEqual(held[0], cases.held_out(drive)[0])
+        self.assertEqual(held[1].commands[0], (*held[0].commands[0], "--mask-errors", "miss"))
+        self.assertFalse(any(case.ablated for case in (*street, *held) if case.mask_errors))
+
     def test_a_named_drive(self):
         drive = cases.parse_recording(f"mine={self.folder}@3:9")
         self.assertEqual((drive.name, drive.path, drive.frames), ("mine", self.folder.resolve(), "3:9"))
@@ -88,7 +100,7 @@ class Cases(unittest.TestCase):
 class Arguments(unittest.TestCase):
     def test_externals_are_named_folders(self):
         self.assertEqual(quality.parse_external("net=/tmp"), ("net", Path("/tmp")))
-        for wrong in ("net", "dvi=/tmp", "paper-x=/tmp", "net=/nowhere"):
+        for wrong in ("net", "dvi=/tmp", "masks as given=/tmp", "paper-x=/tmp", "net=/nowhere"):
             with self.assertRaises(ValueError, msg=wrong):
                 quality.parse_external(wrong)
 
@@ -112,6 +124,43 @@ class Arguments(unittest.TestCase):
         self.assertEqual([variant.name for variant in rows[0][1]][:2], ["dvi", "telea"])
         self.assertEqual([(case.short, [v.name for v in row]) for case, row in rows[2:]],
                          [(one.short, ["no-poisson"]), (two.short, ["no-poisson"]), (two.short, ["no-fusion"])])
+
+    def test_only_dvi_runs_on_cases_with_mask_errors(self):
+        correct, missed = cases.street_masks()[:2]
+        rows = quality.plan([], list(variants.METHODS), [variants.ABLATIONS[0]], [correct, missed])
+        self.assertEqual([(case.name, [v.name for v in row]) for case, row in rows],
+                         [("street-lead", ["dvi"]), ("street-lead-miss", ["dvi", "masks as given"])])
+        rows = quality.plan([correct], [variants.DVI], [], [correct, missed])
+        self.assertEqual([case.name for case, _ in rows], ["street-lead", "street-lead-miss"])
+        self.assertEqual(quality.choose_masked([], quick=True), [])
+        self.assertEqual(quality.choose_masked([], quick=False), cases.street_masks())
+
+    def test_incomplete_masks_are_beside_correct_ones(self):
+        def figures(psnr, copied, pixels):
+            return {"all": {"psnr": psnr, "pixels": pixels}, "copied": {"pixels": copied},
+                    **{origin: {"pixels": 0} for origin in ("interpolated", "synthesized", "empty")}}
+
+        def result(psnr, copied):
+            return {"true_pixels": {"all": figures(psnr, copied, 200), "covered": figures(25.0, 100, 100)}}
+
+        correct, missed = cases.street_masks()[:2]
+        outcome = page.Outcome([], [], [], [], [], {}, [], [correct, missed])
+        self.assertEqual(page.incomplete_masks(outcome), "")
+        outcome.results.update({(correct.name, "dvi"): result(25.0, 200), (missed.name, "dvi"): result(24.0, 190),
+                                (missed.name, "masks as given"): result(15.5, 100)})
+        text = page.incomplete_masks(outcome)
+        self.assertIn("| Synthetic street |  | correct | miss |\n", text)
+        self.assertIn("| lead | dvi | 25.00 / 25.00 (100.0 %) | 24.00 / 25.00 (95.0 %) |", text)
+        self.assertIn("| lead | masks as given | - | 15.50 / 25.00 (50.0 %) |", text)
+
+    def test_masks_are_intersected(self):
+        folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        for name, mask in (("a", [[255, 255, 0, 0]]), ("b", [[0, 255, 255, 0]])):
+            (folder / name).mkdir()
+            Image.fromarray(np.array(mask, np.uint8)).save(folder / name / "0.png")
+        (folder / "both").mkdir()
+        intersect(folder / "a", folder / "b", folder / "both")
+        self.assertEqual(np.array(Image.open(folder / "both/0.png")).tolist(), [[0, 255, 0, 0]])
 
     def test_ablations_without_all_their_cases_are_named_instead(self):
         one, two = cases.street()[0], cases.street()[-1]
@@ -188,6 +237,29 @@ class FromEndToEnd(unittest.TestCase):
         by_dvi = scorer.evaluate(case, scorer.result_folder(case, "dvi"), "--external", f"telea={frames}")
         self.assertEqual(scorer.beside(case, frames), by_dvi["external"]["telea"])
         self.assertEqual(again.same_pixels(case, "telea"), by_dvi["external"]["telea"])
+
+    def test_masks_with_errors(self):
+        root = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        correct, burst = (case for case in cases.street_masks((160, 90), 8)
+                          if case.short == "lead" and case.mask_errors in ("", "burst"))
+        outcome = page.Outcome([], [variants.DVI], [], [], [], {}, [], [correct, burst])
+        scorer = Scorer(DVI, root)
+        quality.run_all(scorer, outcome)
+        self.assertEqual((outcome.failures, outcome.failed_audits()), ([], []))
+        self.assertEqual(set(outcome.results), {(correct.name, "dvi"), (burst.name, "dvi"), (burst.name, "masks as given")})
+
+        def pixels(case, name, part):
+            return outcome.true_pixels(case, name)[part]["all"]["pixels"]
+
+        self.assertEqual(pixels(correct, "dvi", "covered"), pixels(correct, "dvi", "all"))
+        self.assertEqual(pixels(burst, "dvi", "all"), pixels(correct, "dvi", "all"))
+        self.assertLess(pixels(burst, "dvi", "covered"), pixels(burst, "dvi", "all"))
+        as_given = outcome.true_pixels(burst, "masks as given")["all"]
+        self.assertLess(page.removed_share(as_given), 1)
+        self.assertLess(as_given["all"]["psnr"], outcome.true_pixels(correct, "dvi")["all"]["all"]["psnr"])
+        page.write(root / "page.md", root / "images", outcome, scorer, "test")
+        text = (root / "page.md").read_text()
+        self.assertRegex(text, r"## Incomplete masks(.|\n)*\| lead \| masks as given \| - \| [0-9.]+ / [0-9.]+ \([0-9.]+ %\) \|")
 
     def test_a_changed_constant_is_an_ablation_run_by_its_own_program(self):
         root = Path(self.enterContext(tempfile.TemporaryDirectory()))

@@ -14,8 +14,10 @@ import tempfile
 import time
 from pathlib import Path
 
+from PIL import Image, ImageChops
+
 from cases import Case
-from variants import DVI, Variant
+from variants import AS_GIVEN, DVI, Variant
 
 
 class Failed(Exception):
@@ -62,6 +64,13 @@ def picture_names(evaluation: dict) -> dict[str, str]:
     """The frames to show: of dvi's median error, and of its largest."""
     ranked = sorted((frame["all"]["mae"], frame["name"]) for frame in evaluation["per_frame"] if frame["all"]["pixels"])
     return {"median": ranked[(len(ranked) - 1) // 2][1], "worst": ranked[-1][1]}
+
+
+def intersect(masks: Path, others: Path, target: Path) -> None:
+    """Writes the pixels that both masks of a frame cover."""
+    for file in masks.glob("*.png"):
+        both = ImageChops.darker(Image.open(file).convert("L"), Image.open(others / file.name).convert("L"))
+        both.save(target / file.name)
 
 
 class Scorer:
@@ -111,7 +120,7 @@ class Scorer:
 
     def run_key(self, case: Case, variant: Variant) -> str:
         program = [hash_of(variant.program)] if variant.program else []
-        return key_of(self.case_key(case), case.truth, case.ignore, self.run_arguments(case, variant), "audit", *program)
+        return key_of(self.case_key(case), case.truth, case.ignore, case.true_masks, self.run_arguments(case, variant), "audit", *program)
 
     def known(self, case: Case, variant: Variant) -> dict | None:
         """The result, if there is one that is still true."""
@@ -127,6 +136,8 @@ class Scorer:
         arguments = self.run_arguments(case, variant)
         self.call(*arguments, "-o", out, cwd=self.folder(case), program=variant.program)
         report = json.loads((out / "report.json").read_text())
+        # First, because the report shows the truth of the last evaluation.
+        true_pixels = self.true_pixels(case, out) if case.true_masks and variant in (DVI, AS_GIVEN) else None
         result = {
             "key": self.run_key(case, variant),
             "command": " ".join(("dvi", *arguments)),
@@ -135,6 +146,8 @@ class Scorer:
             "cost": report["cost"],
             "warnings": report["warnings"],
         }
+        if true_pixels:
+            result["true_pixels"] = true_pixels
         if variant == DVI:
             result["same_pixels"] = result["evaluation"]
         elif same_pixels:
@@ -154,6 +167,21 @@ class Scorer:
         folder = self.folder(case)
         ignore = ("--ignore", case.ignore) if case.ignore else ()
         return json.loads(self.call("eval", out, "--truth", case.truth, *ignore, "--json", *more, cwd=folder))
+
+    def given_masks(self, case: Case) -> Path:
+        """The masks in the drive of a case with virtual traffic."""
+        folder = self.folder(case)
+        holdout = json.loads(((folder / case.true_masks).parent / "holdout.json").read_text())
+        return folder / case.drive / "masks" / holdout["source"]["camera"]
+
+    def true_pixels(self, case: Case, out: Path) -> dict:
+        """Figures over all pixels of the virtual traffic, and over those that the masks of the drive cover."""
+        true_masks = self.folder(case) / case.true_masks
+        with tempfile.TemporaryDirectory(dir=self.root) as covered:
+            intersect(true_masks, self.given_masks(case), Path(covered))
+            return {name: {origin: figures for origin, figures in self.evaluate(case, out, "--masks", masks).items()
+                           if origin in ("all", "copied", "interpolated", "synthesized", "empty")}
+                    for name, masks in (("all", true_masks), ("covered", covered))}
 
     def beside(self, case: Case, frames: Path) -> dict:
         """A run's frames, on the pixels that dvi filled and by the kinds that it gave them: as if they were dvi's result, whose

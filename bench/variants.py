@@ -19,6 +19,9 @@ class Variant:
 
 DVI = Variant("dvi", "the default", ("--method", "dvi"))
 
+AS_GIVEN = Variant("masks as given", "objects are not completed where masks lack them (`objects.complete=false`)",
+                   ("--method", "dvi", "--set", "objects.complete=false"))
+
 METHODS = (
     Variant("telea", "OpenCV's inpainting after Telea: one image", ("--method", "telea")),
     Variant("ns", "OpenCV's Navier-Stokes inpainting: one image", ("--method", "ns")),

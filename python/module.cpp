@@ -153,9 +153,9 @@ void bind_commands(py::module_& m) {
           const dvi::job::Job job = to_request(options).job(out, drive, {});
           return run_task(threads, progress, [&](Progress& p) { return dvi::commands::make_masks(job, p); });
         });
-  m.def("evaluate", [](const std::string& out, const std::string& truth, const std::string& ignore, const Strings& external,
-                       int threads, const py::object& progress) {
-    const metrics::EvaluationFolders folders{out, truth, ignore, metrics::parse_external(external)};
+  m.def("evaluate", [](const std::string& out, const std::string& truth, const std::string& ignore, const std::string& masks,
+                       const Strings& external, int threads, const py::object& progress) {
+    const metrics::EvaluationFolders folders{out, truth, ignore, metrics::parse_external(external), masks};
     return run_task(threads, progress, [&](Progress& p) { return json_text(metrics::evaluate(folders, p.parts())); });
   });
   m.def("export", [](const std::string& format, const std::string& out, const std::string& folder, const py::dict& options,

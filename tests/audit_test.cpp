@@ -57,6 +57,15 @@ TEST_F(AuditCommand, PassesTheResultOfARun) {
   EXPECT_EQ(dvi("audit out drive --json --quiet --threads 1").out, result.out);
 }
 
+TEST_F(AuditCommand, PassesTheResultOfARunThatCompletedObjects) {
+  media::write_png(folder / "drive/masks/front" / (name + ".png"), cv::Mat1b(kSize, uchar{0}));
+  ASSERT_EQ(dvi("run drive -o completed --set masks.shadows=false --quiet").code, 0);
+  const cv::Mat1b mask = media::read_mask(folder / "completed/masks" / (name + ".png"), kSize);
+  ASSERT_GT(cv::countNonZero(mask), 0);
+  const Result result = dvi("audit completed drive --json --quiet");
+  EXPECT_EQ(result.code, 0) << result.out << result.err;
+}
+
 TEST_F(AuditCommand, FindsOneChangedPixel) {
   cv::Mat3b frame = media::read_image(picture("frames"), kSize);
   const cv::Point copied = first_of_kind(1), kept = first_of_kind(0);

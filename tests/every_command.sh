@@ -49,6 +49,7 @@ dvi eval own --truth one/truth --external other=flow/frames --json
 dvi report own --truth one/truth
 dvi inspect own 0 20 20 --json -o crops
 dvi holdout one -o case
+dvi holdout one -o missed --mask-errors miss
 dvi selfcheck one -o selfcheck --scenario parked
 dvi demo two -o demo
 echo "every command succeeded"

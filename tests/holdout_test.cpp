@@ -34,6 +34,32 @@ TEST_F(Holdout, ACaseIsFilledAndScored) {
   EXPECT_GT(nlohmann::json::parse(scored.out)["all"]["pixels"], 300);
 }
 
+TEST_F(Holdout, PixelsThatIncompleteMasksLackAreScored) {
+  small_drive();
+  const Result made = dvi("holdout drive -o case --scenario lead --mask-errors burst --quiet --json");
+  ASSERT_EQ(made.code, 0) << made.err;
+  const nlohmann::json j = nlohmann::json::parse(made.out);
+  EXPECT_EQ(j["mask_errors"], "burst");
+  EXPECT_FALSE(j["vehicle"].contains("track"));
+  int missed = 0, scored = 0;
+  for (const nlohmann::json& frame : j["frames"]) {
+    missed += frame["masked_pixels"] == 0 ? 1 : 0;
+    scored += frame["scored_pixels"].get<int>();
+  }
+  EXPECT_EQ(missed, 5);
+  ASSERT_EQ(dvi("run case/drive -o out --set objects.complete=false --quiet").code, 0);
+  const std::string call = "eval out --truth case/truth --ignore case/ignore --quiet --json";
+  const nlohmann::json given = nlohmann::json::parse(dvi(call).out)["all"];
+  const Result all = dvi(call + " --masks case/truth_masks");
+  ASSERT_EQ(all.code, 0) << all.err;
+  const nlohmann::json complete = nlohmann::json::parse(all.out)["all"];
+  EXPECT_EQ(complete["pixels"], scored);
+  EXPECT_LT(given["pixels"], scored);
+  EXPECT_GT(complete["mae"], given["mae"]);
+  fs::remove(folder / "case/truth_masks/000003.png");
+  expect_refused(call + " --masks case/truth_masks", "truth_masks/000003.png: is missing");
+}
+
 TEST_F(Holdout, SelfcheckMakesEachPartOnce) {
   small_drive();
   const std::string call = "selfcheck drive -o check --scenario parked --scenario banner --quiet";
@@ -83,6 +109,9 @@ TEST_F(Holdout, RefusesUnknownScenariosAndUsedFolders) {
   const fs::path drive = small_drive();
   EXPECT_EQ(dvi("holdout drive -o case --scenario meteor").code, 2);
   EXPECT_EQ(dvi("selfcheck drive --scenario meteor").code, 2);
+  const Result unknown = dvi("holdout drive -o case --mask-errors blurred");
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("none, miss, burst, late, tight, boxes, false"));
   EXPECT_EQ(dvi("holdout drive").code, 2);
   EXPECT_FALSE(fs::exists(folder / "case"));
   make_folder(folder / "mine");

@@ -134,6 +134,7 @@ def test_the_other_commands(street, result, tmp_path):
     assert (masks.folder / "masks.json").exists() and masks.report["schema"] == "dvi-masks/1"
     scores = dvi.eval(result, street / "truth", external={"own": result / "frames"})
     assert scores["all"]["frames"] == 5 and "own" in str(scores)
+    assert dvi.eval(result, street / "truth", masks=result / "masks")["all"] == scores["all"]
     assert dvi.export("ply", result, tmp_path / "ply")["counts"]["points"] > 1000
 
 

@@ -15,7 +15,7 @@ namespace dvi::cli {
 
 void add_eval(Program& program) {
   struct Arguments {
-    std::string out, truth, ignore;
+    std::string out, truth, ignore, masks;
     std::vector<std::string> external;
     Common common;
   };
@@ -24,12 +24,13 @@ void add_eval(Program& program) {
   command.positional("OUT", a->out, "A result of dvi run");
   command.option("--truth", a->truth, "Folder of true frames, NAME.png", true);
   command.option("--ignore", a->ignore, "Folder of masks NAME.png, 255 = do not score");
+  command.option("--masks", a->masks, "Folder of masks NAME.png, 255 = score, instead of the masks of OUT");
   command.option("--external", a->external,
                  "NAME=DIR: score another program's frames (NAME.png or .jpg) on the same pixels; any number of times");
   a->common.add_to(command, true);
   command.examples({"dvi eval OUT --truth CASE/truth --ignore CASE/ignore"});
   command.run([a] {
-    const metrics::EvaluationFolders folders{a->out, a->truth, a->ignore, metrics::parse_external(a->external)};
+    const metrics::EvaluationFolders folders{a->out, a->truth, a->ignore, metrics::parse_external(a->external), a->masks};
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
     const metrics::Evaluation evaluation = metrics::evaluate(folders, progress.parts());

@@ -18,8 +18,8 @@ std::string fingerprint_case(job::Job job, const holdout::HoldoutOptions& option
   job.out.clear();
   Fingerprint print;
   print.add(kVersion);
-  print.add(
-      fmt::format("{} {} {} {}", holdout::name(options.scenario), options.seed, options.margin_px, options.ignore_margin_px));
+  print.add(fmt::format("{} {} {} {} {}", holdout::name(options.scenario), options.seed, options.margin_px,
+                        options.ignore_margin_px, to_string(options.mask_errors)));
   const std::set<std::string> used{"lidar", "masks", "odometry"};
   print.add(job.table().dump_toml([&](const Option& option) { return used.contains(option.section); }));
   for (const inputs::Recording& open : drives) print.add(open.drive.camera_name);

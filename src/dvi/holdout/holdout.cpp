@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kRangeNoiseM = 0.02;  // largest error of a range
 constexpr float kIntensity = 0.3F;
+constexpr std::uint64_t kPaintSeed = 0x9A127, kMaskErrorSeed = 0x3A5C5;
 
 /// Derives the seed of one part, which does not depend on the parts made before it.
 std::uint64_t derive_seed(int seed, std::uint64_t a, std::uint64_t b = 0) {
@@ -89,22 +90,21 @@ Holdout::Holdout(const std::vector<HoldoutCamera>& cameras, const Trajectory& wo
     vehicle_.emplace(options.scenario, derive_seed(options.seed, static_cast<std::uint64_t>(options.scenario)), road_,
                      drive_.frames.front().time_ns, drive_.frames.back().time_ns);
     if (options.scenario == Scenario::parked) vehicle_->avoid_obstacles(drive, world_from_lidar);
-    add_labels();
+    if (is_labeled()) add_labels();
   }
-  std::vector<std::uint8_t> visible(target_.frames.size());
-  parallel_for(visible.size(), [&](std::size_t i) { visible[i] = cv::countNonZero(paint(drive_, i).pixels) > 0 ? 1 : 0; });
-  visible_.assign(visible.begin(), visible.end());
+  visible_ = find_visible_frames(drive_);
   if (std::find(visible_.begin(), visible_.end(), true) == visible_.end())
     throw InputError(drive.path,
                      fmt::format("the {} vehicle of seed {} is in no image of camera {}", name(options.scenario), options.seed,
                                  drive.camera_name),
                      "choose another --scenario, --seed, or --camera, or more --frames");
+  draw_mask_errors();
 }
 
 // Keeps the frames of the drive that have a pose, and removes its images, masks, and scans.
 Holdout::Pictures Holdout::take_pictures(const HoldoutCamera& camera, Drive& drive) const {
   drive.images = {}, drive.masks = {}, drive.scans = {};
-  return {camera.drive.images, camera.traffic, keep_posed(drive.frames, drive.poses)};
+  return {camera.drive.images, camera.traffic, keep_posed(drive.frames, drive.poses), {}};
 }
 
 void Holdout::add_labels() {
@@ -118,8 +118,25 @@ void Holdout::add_labels() {
   }
 }
 
+std::vector<bool> Holdout::find_visible_frames(const Drive& drive) const {
+  std::vector<std::uint8_t> visible(drive.frames.size());
+  parallel_for(visible.size(), [&](std::size_t i) { visible[i] = cv::countNonZero(paint(drive, i).pixels) > 0 ? 1 : 0; });
+  return {visible.begin(), visible.end()};
+}
+
+// The errors of cameras are independent, because detectors process one image at a time.
+void Holdout::draw_mask_errors() {
+  const auto draw = [&](const Drive& drive, std::size_t camera, const std::vector<bool>& visible) {
+    return draw_errors(options_.mask_errors, visible, {drive.camera.width, drive.camera.height},
+                       derive_seed(options_.seed, kMaskErrorSeed, camera));
+  };
+  target_.errors = draw(drive_, 0, visible_);
+  for (std::size_t k = 0; k < more_.size(); ++k)
+    more_[k].errors = draw(more_drives_[k], k + 1, find_visible_frames(more_drives_[k]));
+}
+
 Painting Holdout::paint(const Drive& drive, std::size_t frame) const {
-  const std::uint64_t seed = derive_seed(options_.seed, 0x9A127);
+  const std::uint64_t seed = derive_seed(options_.seed, kPaintSeed);
   if (!vehicle_) return paint_banner({drive.camera.width, drive.camera.height}, seed);
   const std::int64_t time = drive.frames[frame].time_ns;
   const SE3 camera_from_world = drive.camera_from_lidar * drive.poses.at(time)->inverse();
@@ -131,11 +148,11 @@ HoldoutFrame Holdout::make_frame(const Drive& drive, const Pictures& pictures, s
   const auto traffic = pictures.traffic[pictures.frames[i]];
   HoldoutFrame out;
   out.held_out = grown(painting.pixels, options_.margin_px);
-  out.mask = out.held_out | *traffic;
+  out.mask = add_errors(out.held_out, pictures.errors, i) | *traffic;
   out.ignore = grown(*traffic, options_.ignore_margin_px);
   out.image = pictures.images[pictures.frames[i]]->clone();
   // The margin is painted, too, because no scored pixel may show its truth.
-  out.image.setTo(get_outline_color(derive_seed(options_.seed, 0x9A127)), out.held_out);
+  out.image.setTo(get_outline_color(derive_seed(options_.seed, kPaintSeed)), out.held_out);
   painting.colors.copyTo(out.image, painting.pixels);
   return out;
 }

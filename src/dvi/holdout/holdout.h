@@ -12,6 +12,7 @@
 #include "dvi/core/files.h"
 #include "dvi/core/interrupt.h"
 #include "dvi/drive/drive.h"
+#include "dvi/holdout/mask_errors.h"
 #include "dvi/holdout/painted_box.h"
 #include "dvi/holdout/virtual_vehicle.h"
 
@@ -20,15 +21,16 @@ namespace dvi::holdout {
 struct HoldoutOptions {
   Scenario scenario = Scenario::lead;
   int seed = 1;
-  int margin_px = 3;         ///< margin of the masks around the virtual vehicle
-  int ignore_margin_px = 5;  ///< margin around the masks of real traffic in which nothing is scored
+  int margin_px = 3;                          ///< margin of the masks around the virtual vehicle
+  int ignore_margin_px = 5;                   ///< margin around the masks of real traffic in which nothing is scored
+  MaskErrors mask_errors = MaskErrors::none;  ///< of the virtual vehicle, in all cameras
 };
 
 /// One frame of a case.
 struct HoldoutFrame {
   cv::Mat3b image;     ///< all pixels of `held_out` are painted, the others are those of the drive
   cv::Mat1b held_out;  ///< 255: the virtual vehicle and its margin
-  cv::Mat1b mask;      ///< held_out and the traffic of the drive
+  cv::Mat1b mask;      ///< held_out, with the errors of the options, and the traffic of the drive
   cv::Mat1b ignore;    ///< 255: not scored, because its truth shows real traffic
 };
 
@@ -46,14 +48,16 @@ class Holdout {
   /// Throws InputError if no scan shows the ground, or if the vehicle is in no image of the target.
   Holdout(const std::vector<HoldoutCamera>& cameras, const Trajectory& world_from_lidar, const HoldoutOptions& options);
 
-  /// Returns the case as a drive: poses at the middle of its scans, boxes of real and virtual traffic. It has no images, masks,
-  /// or scans: see frame() and scan().
+  /// Returns the case as a drive: poses at the middle of its scans, boxes of real and virtual traffic. With mask errors,
+  /// the virtual vehicle has no boxes, because they would show it where its masks lack it. It has no images, masks, or scans:
+  /// see frame() and scan().
   const Drive& drive() const { return drive_; }
   /// Returns the same for the other cameras.
   const std::vector<Drive>& more_cameras() const { return more_drives_; }
   const HoldoutOptions& options() const { return options_; }
   const std::optional<VirtualVehicle>& vehicle() const { return vehicle_; }  ///< none for a banner
-  int track() const { return track_; }                                       ///< track of the virtual vehicle in the labels
+  int track() const { return track_; }  ///< track of the virtual vehicle in the labels, if these have it
+  bool is_labeled() const { return vehicle_ && options_.mask_errors == MaskErrors::none; }
   double sensor_height() const { return road_ ? road_->sensor_height() : 0; }
   const std::vector<bool>& visible() const { return visible_; }  ///< per frame: whether anything is held out
 
@@ -69,10 +73,13 @@ class Holdout {
     Lazy<cv::Mat3b> images;
     Lazy<cv::Mat1b> traffic;
     std::vector<std::size_t> frames;  // indices of the case's frames in the drive
+    ObjectErrors errors;              // in the masks of the virtual vehicle
   };
 
   Pictures take_pictures(const HoldoutCamera& camera, Drive& drive) const;
   void add_labels();
+  std::vector<bool> find_visible_frames(const Drive& drive) const;
+  void draw_mask_errors();
   Painting paint(const Drive& drive, std::size_t frame) const;
   HoldoutFrame make_frame(const Drive& drive, const Pictures& pictures, std::size_t i) const;
 
@@ -89,9 +96,9 @@ class Holdout {
   int track_ = 0;
 };
 
-/// Writes the case: drive/ in the folder layout, truth/NAME.png, ignore/NAME.png, and holdout.json, in which `recipe` describes
-/// the input of the case. Everything is written beside CASE and renamed. Calls `tick` once per frame and once per scan. Throws
-/// InputError if the folder is not empty or cannot be written.
+/// Writes the case: drive/ in the folder layout, truth/NAME.png, truth_masks/NAME.png (HoldoutFrame::held_out),
+/// ignore/NAME.png, and holdout.json, in which `recipe` describes the input of the case. Everything is written beside CASE and
+/// renamed. Calls `tick` once per frame and once per scan. Throws InputError if the folder is not empty or cannot be written.
 void write_holdout(const Holdout& holdout, const fs::path& case_folder, const std::string& recipe, const Tick& tick = {});
 
 /// Reads the recipe of a complete case; empty if there is no case.

@@ -19,16 +19,26 @@ namespace {
 
 nlohmann::json to_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-/// Describes the case; `held_out` and `scored` are numbers of pixels per frame.
-nlohmann::json describe(const Holdout& holdout, const std::string& recipe, const std::vector<int>& held_out,
-                        const std::vector<int>& scored) {
+/// Numbers of pixels of one frame.
+struct PixelCounts {
+  int held_out = 0, scored = 0;
+  int masked = 0;  // scored pixels that the mask in the drive covers
+};
+
+PixelCounts count_pixels(const HoldoutFrame& frame) {
+  const cv::Mat1b scored(frame.held_out & ~frame.ignore);
+  return {cv::countNonZero(frame.held_out), cv::countNonZero(scored), cv::countNonZero(cv::Mat1b(scored & frame.mask))};
+}
+
+nlohmann::json describe(const Holdout& holdout, const std::string& recipe, const std::vector<PixelCounts>& pixels) {
   const Drive& drive = holdout.drive();
   nlohmann::json frames = nlohmann::json::array();
   for (std::size_t i = 0; i < drive.frames.size(); ++i) {
     nlohmann::json frame = {{"name", drive.frames[i].name},
                             {"visible", static_cast<bool>(holdout.visible()[i])},
-                            {"held_out_pixels", held_out[i]},
-                            {"scored_pixels", scored[i]}};
+                            {"held_out_pixels", pixels[i].held_out},
+                            {"scored_pixels", pixels[i].scored},
+                            {"masked_pixels", pixels[i].masked}};
     if (holdout.vehicle())
       frame["world_from_box"] = to_row_major(holdout.vehicle()->box_at(drive.frames[i].time_ns).frame_from_box);
     frames.push_back(std::move(frame));
@@ -37,6 +47,7 @@ nlohmann::json describe(const Holdout& holdout, const std::string& recipe, const
                          {"version", kVersion},
                          {"scenario", name(holdout.options().scenario)},
                          {"seed", holdout.options().seed},
+                         {"mask_errors", to_string(holdout.options().mask_errors)},
                          {"margin_px", holdout.options().margin_px},
                          {"ignore_margin_px", holdout.options().ignore_margin_px},
                          {"source", {{"drive", drive.path.string()}, {"camera", drive.camera_name}}},
@@ -45,8 +56,8 @@ nlohmann::json describe(const Holdout& holdout, const std::string& recipe, const
   if (holdout.vehicle())
     json["vehicle"] = {{"class", holdout.vehicle()->type()},
                        {"size", to_json(holdout.vehicle()->size())},
-                       {"track", holdout.track()},
                        {"sensor_height", holdout.sensor_height()}};
+  if (holdout.is_labeled()) json["vehicle"]["track"] = holdout.track();
   if (holdout.vehicle() && holdout.vehicle()->avoidance())
     json["vehicle"]["stand"] = {{"moved", holdout.vehicle()->avoidance()->moved_m},
                                 {"returns", holdout.vehicle()->avoidance()->returns}};
@@ -80,17 +91,18 @@ void write_holdout(const Holdout& holdout, const fs::path& case_folder, const st
   const fs::path& out = draft.path();
   const fs::path folder = out / "drive";
   const Drive& drive = holdout.drive();
-  for (const fs::path& part : {folder / "lidar", folder / "times", out / "truth", out / "ignore"}) make_folder(part);
-  std::vector<int> held_out(drive.frames.size()), scored(drive.frames.size());
+  for (const fs::path& part : {folder / "lidar", folder / "times", out / "truth", out / "truth_masks", out / "ignore"})
+    make_folder(part);
+  std::vector<PixelCounts> pixels(drive.frames.size());
   make_camera_folders(folder, drive);
   parallel_for(drive.frames.size(), [&](std::size_t i) {
     const HoldoutFrame frame = holdout.frame(i);
     const std::string png = drive.frames[i].name + ".png";
     write_pictures(folder, drive, i, frame);
     media::write_png(out / "truth" / png, holdout.truth(i));
+    media::write_png(out / "truth_masks" / png, frame.held_out);
     media::write_png(out / "ignore" / png, frame.ignore);
-    held_out[i] = cv::countNonZero(frame.held_out);
-    scored[i] = cv::countNonZero(cv::Mat1b(frame.held_out & ~frame.ignore));
+    pixels[i] = count_pixels(frame);
     if (tick) tick();
   });
   for (std::size_t k = 0; k < holdout.more_cameras().size(); ++k) {
@@ -106,7 +118,7 @@ void write_holdout(const Holdout& holdout, const fs::path& case_folder, const st
     if (tick) tick();
   });
   datasets::write_folder_tables(folder, drive, holdout.more_cameras());
-  write_file(out / "holdout.json", json_text(describe(holdout, recipe, held_out, scored)) + "\n");
+  write_file(out / "holdout.json", json_text(describe(holdout, recipe, pixels)) + "\n");
   draft.finish();
 }
 

@@ -13,6 +13,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/datasets/reader.h"
 #include "dvi/datasets/scan_time.h"
+#include "dvi/media/image_file.h"
 #include "dvi/synth/scene.h"
 #include "dvi/testing/temp_folder.h"
 
@@ -143,6 +144,46 @@ TEST(Holdout, PaintsTheVehicleInAllCameras) {
   }
 }
 
+TEST_P(EachScenario, MaskErrorsChangeOnlyTheMasksAndTheLabels) {
+  const Drive drive = make_small_street();
+  Drive right = drive;
+  right.camera_name = "right";
+  const std::vector<HoldoutCamera> cameras{{drive, drive.masks}, {right, drive.masks}};
+  const Holdout correct(cameras, drive.poses, {GetParam(), 1});
+  for (const auto& [kind, kind_name] : names_of(MaskErrors{})) {
+    HoldoutOptions options{GetParam(), 1};
+    options.mask_errors = kind;
+    const Holdout holdout(cameras, drive.poses, options);
+    EXPECT_EQ(holdout.visible(), correct.visible());
+    for (std::size_t i = 0; i < drive.frames.size(); ++i) {
+      const HoldoutFrame frame = holdout.frame(i), expected = correct.frame(i);
+      EXPECT_TRUE(is_same(frame.image, expected.image));
+      EXPECT_TRUE(is_same(frame.held_out, expected.held_out));
+      EXPECT_TRUE(is_same(frame.ignore, expected.ignore));
+      EXPECT_TRUE(is_same(frame.mask, holdout.frame(i).mask)) << "frames are made again with the same errors";
+      EXPECT_EQ(cv::countNonZero(cv::Mat1b(*drive.masks[i] & ~frame.mask)), 0) << "real traffic is masked";
+      EXPECT_TRUE(kind != MaskErrors::none || is_same(frame.mask, expected.mask));
+      EXPECT_TRUE(holdout.scan(i).points == correct.scan(i).points);
+      const std::size_t virtual_labels = holdout.is_labeled() ? 1 : 0;
+      EXPECT_EQ(holdout.drive().frames[i].labels.size(), drive.frames[i].labels.size() + virtual_labels) << kind_name;
+    }
+    EXPECT_EQ(holdout.is_labeled(), kind == MaskErrors::none && GetParam() != Scenario::banner);
+  }
+}
+
+TEST(Holdout, MaskErrorsOfCamerasAreIndependent) {
+  const Drive drive = make_small_street();
+  std::vector<HoldoutCamera> cameras(4, {drive, drive.masks});
+  HoldoutOptions options{Scenario::lead, 1};
+  options.mask_errors = MaskErrors::false_boxes;
+  const Holdout holdout(cameras, drive.poses, options);
+  bool differ = false;
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t i = 0; i < drive.frames.size(); ++i)
+      differ = differ || !is_same(holdout.camera_frame(k, i).mask, holdout.frame(i).mask);
+  EXPECT_TRUE(differ);
+}
+
 TEST(Holdout, DependsOnTheSeedAndNotOnTheNumberOfThreads) {
   const Drive drive = make_small_street();
   const ThreadLimit limit(2);
@@ -219,6 +260,21 @@ TEST_F(Folder, TheCaseIsADriveThatCanBeRead) {
     for (std::size_t k = 0; k < scan->size(); ++k) ASSERT_NEAR(scan->time[k], expected.time[k], 1e-4);
     const SE3 a = *read.poses.at(read.frames[i].time_ns), b = *drive.poses.at(drive.frames[i].time_ns);
     EXPECT_LT((a.t - b.t).norm() + (a.R - b.R).norm(), 1e-9);
+  }
+}
+
+TEST_F(Folder, TheCaseKeepsTheTrueMasks) {
+  const Drive drive = make_small_street();
+  HoldoutOptions options{Scenario::lead, 1};
+  options.mask_errors = MaskErrors::burst;
+  const Holdout holdout({{drive, drive.masks}}, drive.poses, options);
+  write_holdout(holdout, folder / "case", "");
+  const Drive read = datasets::read_drive(folder / "case/drive");
+  for (std::size_t i = 0; i < drive.frames.size(); ++i) {
+    const HoldoutFrame frame = holdout.frame(i);
+    EXPECT_TRUE(is_same(*read.masks[i], *drive.masks[i])) << "a burst covers this short drive";
+    EXPECT_TRUE(is_same(media::read_mask(folder / "case/truth_masks" / (drive.frames[i].name + ".png"), frame.held_out.size()),
+                        frame.held_out));
   }
 }
 

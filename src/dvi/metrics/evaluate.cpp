@@ -58,6 +58,9 @@ std::vector<std::string> check_folders(const EvaluationFolders& folders) {
   if (!folders.ignore.empty() && subtract(names, list_names(folders.ignore)).size() == names.size())
     throw InputError(folders.ignore, "has no NAME.png for any frame of " + folders.out.string(),
                      "give the folder with the masks of ignored pixels");
+  if (!folders.masks.empty() && subtract(names, list_names(folders.masks)).size() == names.size())
+    throw InputError(folders.masks, "has no NAME.png for any frame of " + folders.out.string(),
+                     "give the folder with the masks of scored pixels");
   for (const ExternalFrames& external : folders.external)
     if (!fs::is_directory(external.folder))
       throw InputError(external.folder, "is not a folder", "give the folder of the frames of " + external.name + ", NAME.png");
@@ -70,6 +73,13 @@ fs::path find_frame(const ExternalFrames& external, const std::string& name) {
   throw InputError(external.folder / (name + ".png"), "is missing", "every frame with a mask requires a NAME.png or NAME.jpg");
 }
 
+cv::Mat1b load_scored(const EvaluationFolders& folders, const cv::Mat1b& removed, const std::string& file) {
+  if (folders.masks.empty()) return removed.clone();
+  if (!fs::exists(folders.masks / file))
+    throw InputError(folders.masks / file, "is missing", "every frame requires the mask of its scored pixels");
+  return media::read_mask(folders.masks / file, removed.size());
+}
+
 /// Loads a frame of the run, or of another program.
 ScoredFrame load(const EvaluationFolders& folders, const ExternalFrames* external, const std::string& name) {
   const std::string file = name + ".png";
@@ -78,18 +88,20 @@ ScoredFrame load(const EvaluationFolders& folders, const ExternalFrames* externa
   frame.result = media::read_image(folders.out / "frames" / file, size);
   frame.clean = frame.result;
   frame.kind = media::read_png_gray(folders.out / "kind" / file, size);
-  frame.scored = media::read_mask(folders.out / "masks" / file, size);
+  const cv::Mat1b removed = media::read_mask(folders.out / "masks" / file, size);
+  frame.scored = load_scored(folders, removed, file);
   if (cv::countNonZero(frame.scored) == 0) return frame;
 
   if (!fs::exists(folders.truth / file))
     throw InputError(folders.truth / file, "is missing", "every frame with a mask requires its truth");
   frame.truth = media::read_image(folders.truth / file, size);
+  const cv::Mat1b changed(removed | frame.scored);
   if (external)
-    media::read_image(find_frame(*external, name), size).copyTo(frame.result, frame.scored);
+    media::read_image(find_frame(*external, name), size).copyTo(frame.result, changed);
   else if (fs::is_directory(folders.out / "confidence"))
     frame.confidence = media::read_png_gray(folders.out / "confidence" / file, size);
   frame.clean = frame.result.clone();
-  frame.truth.copyTo(frame.clean, frame.scored);
+  frame.truth.copyTo(frame.clean, changed);
   if (!folders.ignore.empty() && fs::exists(folders.ignore / file))
     frame.scored.setTo(0, media::read_mask(folders.ignore / file, size));
   return frame;

@@ -95,6 +95,45 @@ TEST_F(Evaluate, ExcludesIgnoredPixelsAndFramesWithoutScoredPixels) {
   EXPECT_THAT(format_table(e), HasSubstr("b c"));
 }
 
+TEST_F(Evaluate, ScoresThePixelsOfTheGivenMasks) {
+  // The run fills its hole perfectly, but its mask lacks the lower half of the object.
+  cv::Mat3b result = make_scene(kSize, 0);
+  result(cv::Rect(30, 50, 40, 10)) = cv::Vec3b(0, 0, 0);
+  add("a", make_scene(kSize, 0), result, box(kHole), box(kHole, 1));
+  make_folder(folder / "masks");
+  EvaluationFolders given = folders();
+  given.masks = folder / "masks";
+  media::write_png(folder / "masks/a.png", box({30, 40, 40, 20}));
+  const Evaluation all = evaluate(given);
+  EXPECT_EQ(all.total[Origin::all].pixels, 40U * 20);
+  EXPECT_GT(all.total[Origin::all].mae, 1);
+  EXPECT_EQ(all.total[Origin::copied].pixels, 40U * 10);
+  EXPECT_EQ(all.total[Origin::copied].mae, 0);
+  EXPECT_THAT(all.warnings, ElementsAre(HasSubstr("400 scored pixels have kind 0")));
+
+  media::write_png(folder / "ignore/a.png", box({30, 50, 40, 10}));
+  given.ignore = folder / "ignore";
+  EXPECT_EQ(evaluate(given).total[Origin::all].pixels, 40U * 10);
+  EXPECT_EQ(evaluate(given).total[Origin::all].mae, 0);
+
+  media::write_png(folder / "masks/a.png", box(kHole));
+  given.ignore.clear();
+  EXPECT_EQ(nlohmann::json(evaluate(given)).dump(), nlohmann::json(run()).dump()) << "the masks of the run";
+}
+
+TEST_F(Evaluate, ReportsFramesThatTheGivenMasksLack) {
+  add_perfect("a");
+  add_perfect("b");
+  make_folder(folder / "masks");
+  EvaluationFolders given = folders();
+  given.masks = folder / "masks";
+  EXPECT_THAT(error(given), HasSubstr("masks: has no NAME.png for any frame"));
+  media::write_png(folder / "masks/b.png", box(kHole));
+  EXPECT_THAT(error(given), HasSubstr("masks/a.png: is missing"));
+  media::write_png(folder / "masks/a.png", cv::Mat1b(10, 10, uchar{0}));
+  EXPECT_THAT(error(given), HasSubstr("masks/a.png: is 10x10 pixels instead of 96x72"));
+}
+
 TEST_F(Evaluate, DoesNotUseTheTruthFarFromTheMasks) {
   cv::Mat3b near(kSize, cv::Vec3b(0, 0, 0));
   const cv::Rect known(14, 4, 72, 62);

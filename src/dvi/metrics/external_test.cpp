@@ -54,6 +54,17 @@ TEST_F(External, AreReplacedByTheInputOutsideTheMasks) {
   EXPECT_EQ(e.external[0].evaluation.whole_frame.ssim, e.whole_frame.ssim);
 }
 
+TEST_F(External, AreScoredInsideTheGivenMasks) {
+  add_external([](cv::Mat3b& image) -> const cv::Mat3b& { return image = cv::Mat3b(kSize, cv::Vec3b(0, 0, 255)); });
+  make_folder(folder / "scored");
+  for (const char* name : {"0.png", "1.png", "2.png"}) media::write_png(folder / "scored" / name, box({0, 0, 10, 10}));
+  EvaluationFolders given = with_net();
+  given.masks = folder / "scored";
+  const Evaluation e = evaluate(given);
+  EXPECT_EQ(e.external[0].evaluation.total[Origin::all].pixels, 300U);
+  EXPECT_GT(e.external[0].evaluation.total[Origin::all].mae, 10);
+}
+
 TEST_F(External, HaveRowsButNoConfidence) {
   make_folder(folder / "out/confidence");
   for (int i = 0; i < 3; ++i) {

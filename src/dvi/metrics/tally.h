@@ -54,7 +54,7 @@ struct Tally {
 struct ScoredFrame {
   cv::Mat3b result;
   cv::Mat3b truth;  ///< as given; empty if nothing is scored
-  cv::Mat3b clean;  ///< the truth inside the mask and the input outside: a complete true frame
+  cv::Mat3b clean;  ///< the truth inside the masks and the input outside: a complete true frame
   cv::Mat1b scored, kind;
   cv::Mat1b confidence;  ///< empty if there is none
 };

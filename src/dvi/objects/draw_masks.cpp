@@ -117,7 +117,7 @@ GivenMasks draw_given_masks(const Evidence& evidence, const RemovalOptions& opti
     out.masks.push_back({images});
   }
   const CameraEvidence& target = evidence[0];
-  out.complete = !target.source || (target.is_given() && !options.masks.shadows);
+  out.complete = !target.source || (target.is_given() && !options.masks.shadows && !options.objects.complete);
   return out;
 }
 
