@@ -55,7 +55,8 @@ class MaskedSurfaces {
   /// Returns whether a point in world axes, which is a return, lies behind another one in the same part of the mask, at the
   /// same column of the image. `pixel` is its projection into a part of the mask.
   bool is_behind(const Eigen::Vector3d& world, cv::Point pixel) const;
-  /// Returns whether the mask shows a point in world axes; nothing if it is outside the image.
+  /// Returns whether the mask shows a point in world axes; nothing if it is outside the image, or masked but behind another
+  /// return (is_behind()).
   std::optional<bool> shows_masked(const Eigen::Vector3d& world) const;
 
  private:
