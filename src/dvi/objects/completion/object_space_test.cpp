@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include <opencv2/core/mat.hpp>
+#include <opencv2/core.hpp>
 
 #include "dvi/objects/completion/masked_drive.h"
 #include "dvi/objects/moving_cuboids.h"
@@ -75,25 +75,12 @@ TEST(ObjectSpace, IsEmptyIfOneFrameMasksAWall) {
   EXPECT_TRUE(MaskedDrive(situation.drive(), masks).find_space().empty());
 }
 
-// Returns the number of voxels with returns in masks of a scan.
-std::size_t count_masked_voxels(const MaskedDrive& masked, std::size_t scan) {
-  const auto returns = masked.returns.obstacles(scan);
-  const std::vector<MaskVote> votes = vote_by_masks(masked.cameras(), *returns, masked.scan_times_ns[scan]);
-  std::set<std::vector<int>> out;
-  for (std::size_t i = 0; i < votes.size(); ++i) {
-    const Eigen::Vector3i index = (returns->points[i] / kObjectVoxelM).array().floor().cast<int>();
-    if (votes[i] == MaskVote::object) out.insert({index.x(), index.y(), index.z()});
-  }
-  return out.size();
-}
-
-TEST(ObjectSpace, HasFewVoxelsOfAWallThatFewOfManyFramesMask) {
+TEST(ObjectSpace, IsEmptyIfFewOfManyFramesMaskAWall) {
   const Situation situation{.scans = 24, .movers = no_movers};
   std::vector<cv::Mat1b> masks(24);
-  masks[5] = masks[6] = situation.draw_mask(5, {Situation::houses()[8]});
-  const MaskedDrive masked(situation.drive(), masks);
-  // Few scans have a return in some of the voxels, so that two masks are a large share of them.
-  EXPECT_LT(static_cast<double>(masked.find_space().size()), 0.05 * static_cast<double>(count_masked_voxels(masked, 5)));
+  for (const std::size_t i : {5U, 6U, 7U}) masks[i] = situation.draw_mask(5, {Situation::houses()[8]});
+  ASSERT_GT(cv::countNonZero(masks[5]), 5000);
+  EXPECT_TRUE(MaskedDrive(situation.drive(), masks).find_space().empty());
 }
 
 TEST(ObjectSpace, KeepsTheReturnsOfTwoObjectsThatCross) {
