@@ -32,7 +32,7 @@ struct CompletionParams {
   double column_margin_m = 0.125;              ///< around the voxels, which closes gaps of one voxel
   int closing_px = 2;                          ///< gaps that remain
   int margin_px = 2;                           ///< blur of an object's edge in the image
-  double border_m = 0.25;                      ///< deviation of an object's drawn outline from its true one
+  double border_m = 0.35;                      ///< deviation of an object's drawn outline from its true one
   int min_border_px = 3;                       ///< deviation of masks from the true outline
 };
 constexpr CompletionParams kCompletion;
