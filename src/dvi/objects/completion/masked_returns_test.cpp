@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -106,6 +106,21 @@ TEST(MaskedReturns, AreUnclearOnAThingBehindTheObject) {
   const std::vector<MaskVote> votes = image.vote(join_points(kMaskedCar, behind));
   EXPECT_EQ(count_votes(votes, MaskVote::object, 0, kMaskedCar.size()), count_points(kMaskedCar));
   EXPECT_EQ(count_votes(votes, MaskVote::unclear, kMaskedCar.size(), votes.size()), count_points(behind));
+}
+
+TEST(MaskedSurfaces, ShowNothingOfPointsBehindThemOrOutsideTheImage) {
+  const Points behind = make_board(20, -0.5, 0.5, 1.0);
+  MaskedImage image;
+  image.add_mask(kMaskedCar, 1);
+  const SE3 lidar_from_world = image.drive.poses.at(0)->inverse();
+  const auto mask = std::make_shared<const cv::Mat1b>(image.mask);
+  const MaskedSurfaces surfaces(
+      {image.labels.data(), &image.drive.camera, lidar_from_world, image.camera_from_world(), mask, mask},
+      join_points(kMaskedCar, behind));
+  for (const Eigen::Vector3d& point : kMaskedCar) EXPECT_EQ(surfaces.shows_masked(point), true);
+  for (const Eigen::Vector3d& point : behind) EXPECT_EQ(surfaces.shows_masked(point), std::nullopt);
+  EXPECT_EQ(surfaces.shows_masked({10, 3, 1}), false);
+  EXPECT_EQ(surfaces.shows_masked({-10, 0, 1}), std::nullopt);
 }
 
 TEST(MaskedReturns, AreJudgedByEachPartOfTheMask) {
