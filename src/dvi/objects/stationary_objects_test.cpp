@@ -16,7 +16,7 @@ Label car(int track, double x, double y) {
 }
 
 // Makes a drive at 10 m/s. Track 1 is parked on the left, and track 2 drives ahead on the right.
-Drive labeled_drive() {
+Drive make_parked_and_moving() {
   Drive drive;
   drive.camera = {200, 100, 100, 100, 99.5, 49.5, {}};
   drive.camera_from_lidar.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
@@ -38,14 +38,14 @@ CameraEvidence evidence_of(const Drive& drive, const Trajectory& world_from_lida
 }
 
 TEST(StationaryObjects, CountThePixelsThatRemoveMovingWouldKeep) {
-  const Drive drive = labeled_drive();
+  const Drive drive = make_parked_and_moving();
   const RemovalOptions options;
   const std::optional<StationaryObjects> found = count_stationary(evidence_of(drive, drive.poses), options);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->tracks, 2U);
   EXPECT_EQ(found->stationary, 1U);
   std::size_t parked = 0;
-  Drive only = labeled_drive();
+  Drive only = make_parked_and_moving();
   for (Frame& frame : only.frames) frame.labels.pop_back();
   const Lazy<cv::Mat1b> masks = draw_label_masks(only, MaskSource::labels, shared(only.labels()), options.masks);
   for (std::size_t i = 0; i < masks.size(); ++i) parked += static_cast<std::size_t>(cv::countNonZero(*masks[i]));
@@ -54,11 +54,11 @@ TEST(StationaryObjects, CountThePixelsThatRemoveMovingWouldKeep) {
 }
 
 TEST(StationaryObjects, AreNotCountedWithoutPosesOrLabelsOrIfTheyRemain) {
-  Drive drive = labeled_drive();
+  Drive drive = make_parked_and_moving();
   const Trajectory none;
   CameraEvidence evidence = evidence_of(drive, drive.poses);
   EXPECT_FALSE(count_stationary(evidence_of(drive, none), {})) << "no poses";
-  EXPECT_FALSE(count_stationary(evidence, {.remove = Remove::moving, .masks = {}})) << "they remain";
+  EXPECT_FALSE(count_stationary(evidence, {.remove = Remove::moving, .masks = {}, .objects = {}})) << "they remain";
   evidence.source = MaskSource::files;
   drive.masks = {10, [](std::size_t) { return cv::Mat1b(100, 200, uchar{255}); }};
   EXPECT_FALSE(count_stationary(evidence, {})) << "mask files do not show the motion state";

@@ -3,98 +3,23 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <functional>
-#include <numbers>
 #include <vector>
 
-#include <Eigen/Geometry>
-
-#include "dvi/core/random.h"
 #include "dvi/objects/motion_segmentation.h"
-#include "dvi/objects/plain_drive.h"
+#include "dvi/objects/moving_cuboids.h"
 
 namespace dvi::objects {
 namespace {
 
-using Cuboid = Eigen::AlignedBox3d;  // world axes; the ground is z = 0
-
-Cuboid car_at(double x, double y) { return {Eigen::Vector3d(x, y, 0.2), Eigen::Vector3d(x + 4, y + 1.8, 1.5)}; }
-Cuboid person_at(double x, double y) { return {Eigen::Vector3d(x, y, 0), Eigen::Vector3d(x + 0.5, y + 0.6, 1.8)}; }
-
-// A street between houses, with a parked car, scanned by a LiDAR that drives along x. Entries of `movers` may move.
-struct Situation {
-  int scans = 0;
-  std::function<double(int)> sensor_x = [](int) { return 0.0; };
-  std::function<std::vector<Cuboid>(int)> movers;
-  double degrees_between_beams = 0.4;
-  double yaw_error_deg = 0;  // random error of each pose
-
-  static std::vector<Cuboid> houses() {
-    std::vector<Cuboid> out{{Eigen::Vector3d(70, -40, 0), Eigen::Vector3d(72, 40, 9)}};
-    for (int i = -2; i < 7; ++i)
-      for (const double y : {-14.0, 8.0})
-        out.emplace_back(Eigen::Vector3d(10 * i, y, 0), Eigen::Vector3d(10 * i + 7, y + 6, 9));
-    return out;
-  }
-  static Cuboid parked() { return car_at(14, -5.5); }
-
-  SE3 pose(int scan) const { return {Eigen::Matrix3d::Identity(), {sensor_x(scan), 0, 1.7}}; }
-
-  Scan measure(std::size_t i) const {
-    constexpr double kDegree = std::numbers::pi / 180;
-    std::vector<Cuboid> surfaces = houses();
-    surfaces.push_back(parked());
-    for (const Cuboid& mover : movers(static_cast<int>(i))) surfaces.push_back(mover);
-    const Eigen::Vector3d sensor = pose(static_cast<int>(i)).t;
-    Random random(i + 1);
-    Scan scan;
-    for (double up = -20; up <= 3; up += degrees_between_beams)
-      for (double aside = -180; aside < 180; aside += 0.5) {
-        const Eigen::Vector3d ray(std::cos(aside * kDegree) * std::cos(up * kDegree),
-                                  std::sin(aside * kDegree) * std::cos(up * kDegree), std::sin(up * kDegree));
-        double length = ray.z() < 0 ? -sensor.z() / ray.z() : 1e9;
-        for (const Cuboid& surface : surfaces) length = std::min(length, intersect(surface, sensor, ray));
-        if (length > 90) continue;
-        scan.points.emplace_back(((length + 0.02 * random.normal()) * ray).cast<float>());
-        scan.time.push_back(0);
-        scan.intensity.push_back(0.5F);
-      }
-    return scan;
-  }
-
-  Drive drive() const {
-    Drive out = PlainDrive(scans, 0).drive;
-    std::vector<StampedPose> poses;
-    Random random(7);
-    for (int i = 0; i < scans; ++i) {
-      SE3 at = pose(i);
-      at.R = Eigen::AngleAxisd(yaw_error_deg * random.normal() * std::numbers::pi / 180, Eigen::Vector3d::UnitZ()).matrix();
-      poses.push_back({i * PlainDrive::kScanPeriodNs, at});
-    }
-    out.poses = Trajectory(poses);
-    out.scans = Lazy<Scan>(static_cast<std::size_t>(scans), static_cast<std::size_t>(scans),
-                           [self = *this](std::size_t i) { return self.measure(i); });
-    return out;
-  }
-
- private:
-  static double intersect(const Cuboid& cuboid, const Eigen::Vector3d& sensor, const Eigen::Vector3d& ray) {
-    const Eigen::Array3d a = (cuboid.min() - sensor).array() / ray.array(), b = (cuboid.max() - sensor).array() / ray.array();
-    const double enter = a.min(b).maxCoeff(), leave = a.max(b).minCoeff();
-    return enter > 0 && enter < leave ? enter : 1e9;
-  }
-};
-
-MotionSegmentation segment(const Drive& drive, const ScanPoses& poses) {
+MotionSegmentation segment_scans(const Drive& drive, const ScanPoses& poses) {
   const ground::ScanGround ground(drive, drive.poses);
   MovingReturns returns(drive, poses, ground);
   return segment_motion(returns, [] {});
 }
 
-MotionSegmentation segment(const Situation& situation) {
+MotionSegmentation segment_scans(const Situation& situation) {
   const Drive drive = situation.drive();
-  return segment(drive, {drive.poses});
+  return segment_scans(drive, {drive.poses});
 }
 
 bool contains(const Cuboid& cuboid, const Eigen::Vector2d& position) {
@@ -133,7 +58,7 @@ TEST(StationaryPhases, FindsCarsInARowThatWaitForAnyTimeBeforeTheyLeave) {
                                 return std::vector<Cuboid>{car_at(20 + compute_path_length(scan, wait, 8), 4),
                                                            car_at(29 + compute_path_length(scan, wait - 5, 8), 4)};
                               }};
-    const MotionSegmentation found = segment(situation);
+    const MotionSegmentation found = segment_scans(situation);
     for (const std::size_t k : {0U, 1U})
       EXPECT_GT(compute_covered_share(situation, found.tracks, k, wait + 10), 0.95) << wait << ", car " << k;
     expect_parked_car_remains(found.tracks);
@@ -146,7 +71,7 @@ TEST(StationaryPhases, FindsACarThatWaitsWhileTheSensorMovesTowardIt) {
       .scans = 60,
       .sensor_x = [](int scan) { return 0.3 * scan; },
       .movers = [](int scan) { return std::vector<Cuboid>{car_at(45 + compute_path_length(scan, 35, 8), -1)}; }};
-  const MotionSegmentation found = segment(situation);
+  const MotionSegmentation found = segment_scans(situation);
   EXPECT_GT(compute_covered_share(situation, found.tracks, 0, situation.scans), 0.95);
   expect_parked_car_remains(found.tracks);
 }
@@ -155,7 +80,7 @@ TEST(StationaryPhases, FindsACarThatArrivesAndStopsUntilTheEnd) {
   const Situation situation{.scans = 80, .movers = [](int scan) {
                               return std::vector<Cuboid>{car_at(30 - compute_path_length(80 - scan, 50, 8), 1)};
                             }};
-  const MotionSegmentation found = segment(situation);
+  const MotionSegmentation found = segment_scans(situation);
   EXPECT_GT(compute_covered_share(situation, found.tracks, 0, situation.scans), 0.95);
   expect_parked_car_remains(found.tracks);
 }
@@ -165,7 +90,7 @@ TEST(StationaryPhases, FindsAPersonWhoWaitsBehindPassingTrafficAndThenCrosses) {
                               return std::vector<Cuboid>{person_at(22, -4 + compute_path_length(scan, 50, 1.4)),
                                                          car_at(-30 + 1.2 * scan, -3)};
                             }};
-  const MotionSegmentation found = segment(situation);
+  const MotionSegmentation found = segment_scans(situation);
   EXPECT_GT(compute_covered_share(situation, found.tracks, 0, situation.scans), 0.85)
       << "the car hides the person for some scans";
 }
@@ -174,12 +99,12 @@ TEST(StationaryPhases, IgnoresObjectsThatAreStationaryForTheWholeDrive) {
   const Situation situation{.scans = 60,
                             .sensor_x = [](int scan) { return 0.6 * scan; },
                             .movers = [](int) { return std::vector<Cuboid>{car_at(25, 3), car_at(32, 3), person_at(20, -3)}; }};
-  EXPECT_TRUE(segment(situation).tracks.empty());
+  EXPECT_TRUE(segment_scans(situation).tracks.empty());
 }
 
 TEST(Contradictions, ExcludeScansWithWrongPoses) {
   const Situation situation{.scans = 24, .movers = [](int) { return std::vector<Cuboid>(); }, .yaw_error_deg = 6};
-  const MotionSegmentation found = segment(situation);
+  const MotionSegmentation found = segment_scans(situation);
   EXPECT_TRUE(found.tracks.empty());
   EXPECT_GT(found.contradictory_scans.size(), 12U);
 }
@@ -188,9 +113,9 @@ TEST(Contradictions, UntrustedScansAreNotUsed) {
   const Situation situation{.scans = 30, .movers = [](int scan) { return std::vector<Cuboid>{car_at(10 + 0.8 * scan, 1)}; }};
   const Drive drive = situation.drive();
   ScanPoses poses{drive.poses};
-  EXPECT_FALSE(segment(drive, poses).tracks.empty());
+  EXPECT_FALSE(segment_scans(drive, poses).tracks.empty());
   poses.untrusted = std::vector<bool>(30, true);
-  EXPECT_TRUE(segment(drive, poses).tracks.empty());
+  EXPECT_TRUE(segment_scans(drive, poses).tracks.empty());
 }
 
 }  // namespace

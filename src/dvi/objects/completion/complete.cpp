@@ -31,7 +31,7 @@ struct CompletionParams {
   double static_s = 1;                         ///< time over which scans observe a voxel of a stationary object
   std::int64_t max_scan_gap_ns = 100'000'000;  ///< time to the scan that shows a frame's objects
   double judged_radius_m = 0.1;                ///< radius around the center of a voxel that a scan must pass
-  double border_m = 0.25;                      ///< deviation of an object's drawn outline from its true one
+  double border_m = 0.35;                      ///< deviation of an object's drawn outline from its true one
   int min_border_px = 3;                       ///< deviation of masks from the true outline
 };
 constexpr CompletionParams kCompletion;

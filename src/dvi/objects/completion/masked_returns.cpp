@@ -121,8 +121,9 @@ bool MaskedSurfaces::is_behind(const Eigen::Vector3d& world, cv::Point pixel) co
 std::optional<bool> MaskedSurfaces::shows_masked(const Eigen::Vector3d& world) const {
   const auto pixel = frame_.project(world);
   if (!pixel) return std::nullopt;
-  return is_in_any_box(*frame_.labels, frame_.lidar_from_world * world, kMaskVoting.box_margin_m) ||
-         (part(*pixel) > 0 && !is_behind(world, *pixel));
+  if (is_in_any_box(*frame_.labels, frame_.lidar_from_world * world, kMaskVoting.box_margin_m)) return true;
+  if (part(*pixel) > 0 && is_behind(world, *pixel)) return std::nullopt;
+  return part(*pixel) > 0;
 }
 
 std::optional<cv::Point> MaskedFrame::project(const Eigen::Vector3d& world) const {

@@ -14,7 +14,7 @@
 
 namespace dvi::objects {
 
-/// What the masks of the images that were taken during a scan show of one of its returns. object: it belongs to a removed
+/// The evidence of the masks of the images taken during a scan for one of its returns. object: it belongs to a removed
 /// object. background: an image shows it outside the masks. unclear: it is masked but may lie behind the object, or it is at
 /// the boundary of a mask. unseen: it is in no image.
 enum class MaskVote : std::uint8_t { unseen, unclear, background, object };
@@ -55,7 +55,8 @@ class MaskedSurfaces {
   /// Returns whether a point in world axes, which is a return, lies behind another one in the same part of the mask, at the
   /// same column of the image. `pixel` is its projection into a part of the mask.
   bool is_behind(const Eigen::Vector3d& world, cv::Point pixel) const;
-  /// Returns whether the mask shows a point in world axes; nothing if it is outside the image.
+  /// Returns whether the mask shows a point in world axes; nothing if it is outside the image, or masked but behind another
+  /// return (is_behind()).
   std::optional<bool> shows_masked(const Eigen::Vector3d& world) const;
 
  private:
@@ -68,9 +69,9 @@ class MaskedSurfaces {
 
 /// Determines which returns of a scan belong to removed objects: those in their 3D boxes, and those in masks. Returns are
 /// grouped to things by their distances, seen from above. A thing that is masked almost completely is an object, unless another
-/// thing hides it in the image: a LiDAR on the roof sees over cars. If a mask covers a part of a thing, as a loose mask covers
-/// a part of the hedge beside a car, then this part belongs to the object if it is the nearest thing in the mask, most of its
-/// returns, and not a small part of the thing. `time_ns` is the time of the scan. Returns one vote per return.
+/// thing hides it in the image: a LiDAR on the roof observes returns above cars. If a mask covers a part of a thing, as a loose
+/// mask covers a part of the hedge beside a car, then this part belongs to the object if it is the nearest thing in the mask,
+/// most of its returns, and not a small part of the thing. `time_ns` is the time of the scan. Returns one vote per return.
 std::vector<MaskVote> vote_by_masks(const std::vector<CameraMaskEvidence>& cameras, const ObstacleReturns& returns,
                                     std::int64_t time_ns);
 

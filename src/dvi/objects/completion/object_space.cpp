@@ -230,6 +230,37 @@ void number_objects(std::vector<OccupiedVoxel>& voxels) {
   std::erase_if(voxels, [](const OccupiedVoxel& voxel) { return voxel.object < 0; });
 }
 
+// Removes voxels of static surfaces that wrong masks cover in few scans. Rays miss a voxel in most scans if they are far apart,
+// so the masks are compared with the scans that show background in the voxel or its neighbors while it is occupied.
+void remove_background(std::vector<OccupiedVoxel>& voxels, const std::vector<CandidateVoxel>& candidates,
+                       const std::vector<std::int64_t>& times) {
+  std::map<VoxelKey, const CandidateVoxel*> by_key;
+  for (const CandidateVoxel& candidate : candidates) by_key.emplace(candidate.key, &candidate);
+  std::vector<char> is_background(voxels.size());
+  parallel_for(voxels.size(), [&](std::size_t i) {
+    const OccupiedVoxel& voxel = voxels[i];
+    std::set<std::size_t> object, background;
+    const int radius = kSpace.neighbor_voxels;
+    for (int dx = -radius; dx <= radius; ++dx)
+      for (int dy = -radius; dy <= radius; ++dy)
+        for (int dz = -radius; dz <= radius; ++dz) {
+          const auto found = by_key.find({voxel.index.x() + dx, voxel.index.y() + dy, voxel.index.z() + dz});
+          if (found == by_key.end()) continue;
+          for (const VoxelObservation& observation : found->second->observations) {
+            const std::int64_t time = times[observation.scan];
+            if (time <= voxel.first_ns || time >= voxel.last_ns) continue;
+            if (observation.state == VoxelState::object) object.insert(observation.scan);
+            if (observation.state == VoxelState::background) background.insert(observation.scan);
+          }
+        }
+    for (const std::size_t scan : object) background.erase(scan);
+    const auto masked = static_cast<double>(object.size()), unmasked = static_cast<double>(background.size());
+    is_background[i] = masked < kSpace.min_object_share * (masked + unmasked);
+  });
+  std::size_t i = 0;
+  std::erase_if(voxels, [&](const OccupiedVoxel&) { return is_background[i++] != 0; });
+}
+
 }  // namespace
 
 Eigen::Vector3d OccupiedVoxel::center() const { return center_of(index); }
@@ -241,6 +272,7 @@ std::vector<OccupiedVoxel> find_object_space(const std::vector<CameraMaskEvidenc
   std::vector<OccupiedVoxel> out;
   for (const CandidateVoxel& voxel : candidates)
     for (OccupiedVoxel& period : Periods(voxel, scan_times_ns).find()) out.push_back(std::move(period));
+  remove_background(out, candidates, scan_times_ns);
   number_objects(out);
   return out;
 }
