@@ -38,7 +38,7 @@ class Constant:
     comment: str
     file: Path  # relative to the tree
     line: int
-    span: tuple[int, int]  # of the value in the file
+    span: tuple[int, int]  # first and last character of the value in the file
 
     @property
     def label(self) -> str:

@@ -26,7 +26,7 @@ struct Shadow {
   double area_px = 0;
 };
 
-constexpr double kHalfWidthM = 2, kLengthM = 1.0 / 3;  // of a shadow
+constexpr double kHalfWidthM = 2, kLengthM = 1.0 / 3;  // extent of a shadow
 inline constexpr int kSteps[] = {1, 2, 4};
 constexpr double kAreaM2 = kHalfWidthM * kLengthM;
 constexpr int kBlur = kShadows.blur_px;

@@ -93,7 +93,8 @@ OptionTable Job::table() {
 void use_method(Method method, Options& options) {
   if (is_baseline(method)) options.smooth.enabled = false;
   if (method != Method::paper) return;
-  // The published form: masks as given, every point outside masks and boxes, no exposure model, linear depth, plain occlusion test.
+  // The published form: masks as given, every point outside masks and boxes, no exposure model, linear depth, plain occlusion
+  // test.
   options.objects.complete = false;
   options.map.require_camera_visibility = false;
   options.map.carve = false;

@@ -75,9 +75,7 @@ struct Job {
   /// Returns the table of all options, [job] included. It refers to this job.
   OptionTable table();
 
-  objects::RemovalOptions removal() const {
-    return {read.remove, options.masks, options.objects, options.map.pose_error_m};
-  }
+  objects::RemovalOptions removal() const { return {read.remove, options.masks, options.objects, options.map.pose_error_m}; }
 };
 
 /// Sets the options in which a method differs from the default.

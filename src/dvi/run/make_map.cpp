@@ -108,7 +108,8 @@ std::string make_map(const job::Job& job, const std::string& trajectory, Progres
   const Drive& target = drives.front().drive;
   const fs::path out = job.out;
   result::write_map_files(
-      out, {map, views, target, result::collect_object_paths(*masks.front().objects.labels, views, poses.front().world_from_lidar)});
+      out,
+      {map, views, target, result::collect_object_paths(*masks.front().objects.labels, views, poses.front().world_from_lidar)});
   if (trajectory != "none")
     result::write_trajectory(out / "trajectory.txt", target, poses.front().world_from_lidar,
                              trajectory == "tum" ? result::TrajectoryFormat::tum : result::TrajectoryFormat::kitti);

@@ -50,7 +50,8 @@ struct MaskedDrive {
     const MaskOptions options;
     const CompletedObjects objects({cameras(), returns, ground, tracks, options}, scan_times_ns, [] {});
     std::vector<cv::Mat1b> out;
-    for (const std::vector<Label>& frame : objects.draw(evidence, masks)) {
+    const FrameLabels completed = objects.draw(evidence, masks).completed;
+    for (const std::vector<Label>& frame : completed) {
       cv::Mat1b& mask = out.emplace_back(drive.camera.height, drive.camera.width, uchar{0});
       for (const Label& label : frame) draw(*label.instance, mask);
     }
