@@ -53,7 +53,8 @@ class GivenMasks : public ProgramTest {
   }
 
   std::vector<cv::Mat1b> own;
-  const std::string exactly = " --quiet --poses given --set masks.shadows=false --set masks.dilate_px=0 ";
+  const std::string exactly =
+      " --quiet --poses given --set masks.shadows=false --set masks.dilate_px=0 --set objects.complete=false ";
 };
 
 TEST_F(GivenMasks, RunReadsCoco) {

@@ -74,8 +74,8 @@ TEST_F(Poses, FromScansFollowTheTruth) {
     stages.push_back(stage["stage"]);
     EXPECT_GE(stage["cpu_seconds_per_scan"], 0);
   }
-  EXPECT_THAT(stages, testing::ElementsAre("read", "plausibility", "odometry", "loops", "sharpness", "map", "carve", "normals",
-                                           "write"));
+  EXPECT_THAT(stages, testing::ElementsAre("read", "plausibility", "odometry", "loops", "sharpness", "traffic", "complete",
+                                           "map", "carve", "normals", "write"));
   EXPECT_LT(max_distance_m(read("out/trajectory.txt"), read("drive/poses.txt")), 0.03);
   ASSERT_EQ(dvi("map drive -o tum --quiet --poses loam --trajectory tum").code, 0);
   EXPECT_EQ(read_lines(folder / "tum/trajectory.txt").size(), 6);
