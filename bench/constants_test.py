@@ -45,8 +45,8 @@ class Parsing(unittest.TestCase):
             ("ShadowParams.offsets_s", "{0.3, 0.5, 0.7}", ""),
             ("ShadowParams.blur_px", "3", "shadows are large"),
             ("ShadowParams.max_bytes", "std::size_t{192} << 20", ""),
-            ("kHalfWidthM", "2", "of a shadow"),
-            ("kLengthM", "1.0 / 3", "of a shadow"),
+            ("kHalfWidthM", "2", "extent of a shadow"),
+            ("kLengthM", "1.0 / 3", "extent of a shadow"),
             ("kSteps", "{1, 2, 4}", ""),
         ])
 
