@@ -23,9 +23,9 @@ void attach_images(Views& views, const Recordings& drives, const objects::Masks&
 
 void attach_returns(Views& views, const Inputs& inputs) {
   std::vector<Lazy<std::vector<ImageReturn>>> returns;
-  for (std::size_t d = 0; d < inputs.drives.size(); ++d) {
-    const auto drive = std::make_shared<const Drive>(inputs.drives[d].drive);
-    returns.emplace_back(drive->frames.size(), [drive, poses = inputs.poses[d].world_from_lidar](std::size_t i) {
+  for (const Recording& open : inputs.drives) {
+    const auto drive = std::make_shared<const Drive>(open.drive);
+    returns.emplace_back(drive->frames.size(), [drive, poses = inputs.poses[returns.size()].world_from_lidar](std::size_t i) {
       return project_returns(*drive, i, poses);
     });
   }
