@@ -18,6 +18,7 @@
 #include "dvi/inputs/check_setup.h"
 #include "dvi/inputs/collect_evidence.h"
 #include "dvi/inputs/stretches.h"
+#include "dvi/objects/removed_objects.h"
 #include "dvi/result/stage_json.h"
 
 namespace dvi::commands {
@@ -220,6 +221,10 @@ CheckReport check(const job::Job& given, bool with_coverage, Progress& progress)
   const std::size_t known = progress.warnings().size();
   const objects::Masks masks = inputs::find_masks(drives, poses, job, progress);
   CheckReport report = make_report(drives.front(), choice, masks);
+  const auto removed = objects::list_removed_objects(inputs::evidence_of(drives.front(), poses.front().world_from_lidar),
+                                                     masks.front().objects, job.options.masks);
+  for (const std::string& warning : objects::describe_incomplete(objects::count_objects(removed), report.mask_source))
+    report.warnings.push_back(warning);
   const std::vector<std::string> warned = progress.warnings();
   for (std::size_t i = known; i < warned.size(); ++i) report.warnings.push_back(remove_name(warned[i], drives.front()));
   report.place = find_place(poses.front().world_from_lidar, drive.fixes);

@@ -1,9 +1,12 @@
 #include "dvi/objects/removed_objects.h"
 
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <set>
 #include <utility>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
@@ -95,13 +98,40 @@ ObjectCounts count_objects(const std::vector<RemovedObject>& objects) {
   for (const RemovedObject& object : objects) {
     out.completed += object.completed.empty() ? 0 : 1;
     frames.insert(object.completed.begin(), object.completed.end());
+    std::vector<int> whole;
+    std::set_difference(object.frames.begin(), object.frames.end(), object.completed.begin(), object.completed.end(),
+                        std::back_inserter(whole));
+    if (whole.empty()) continue;
+    out.late += !object.completed.empty() && object.completed.front() < whole.front() ? 1 : 0;
+    out.with_gaps += std::any_of(object.completed.begin(), object.completed.end(),
+                                 [&](int frame) { return frame > whole.front() && frame < whole.back(); })
+                         ? 1
+                         : 0;
   }
   out.completed_frames = frames.size();
   return out;
 }
 
 void to_json(nlohmann::json& json, const ObjectCounts& counts) {
-  json = {{"removed", counts.removed}, {"completed", counts.completed}, {"completed_frames", counts.completed_frames}};
+  json = {{"removed", counts.removed},
+          {"completed", counts.completed},
+          {"completed_frames", counts.completed_frames},
+          {"late", counts.late},
+          {"with_gaps", counts.with_gaps}};
+}
+
+std::vector<std::string> describe_incomplete(const ObjectCounts& counts, const std::string& source) {
+  std::vector<std::string> out;
+  const auto describe = [&](std::size_t objects, const char* words) {
+    if (objects > 0)
+      out.push_back(
+          fmt::format("{} of {} objects {} ({}); dvi run completes them, in {} frames in all; "
+                      "--set objects.complete=false uses masks as given",
+                      objects, counts.removed, words, source, counts.completed_frames));
+  };
+  describe(counts.late, "are visible before the first frame that shows them");
+  describe(counts.with_gaps, "are missing in frames between others that show them");
+  return out;
 }
 
 nlohmann::json objects_json(const std::vector<RemovedObject>& objects, const std::string& source) {

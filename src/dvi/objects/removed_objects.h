@@ -31,9 +31,14 @@ struct ObjectCounts {
   std::size_t removed = 0;
   std::size_t completed = 0;         ///< those that were completed in at least one frame
   std::size_t completed_frames = 0;  ///< frames in which at least one object was completed
+  std::size_t late = 0;              ///< objects that were completed before the first frame whose mask shows them whole
+  std::size_t with_gaps = 0;         ///< objects that were completed between such frames
 };
 ObjectCounts count_objects(const std::vector<RemovedObject>& objects);
 void to_json(nlohmann::json& json, const ObjectCounts& counts);
+
+/// Describes masks, labels, or detections (`source`) that begin late or have gaps, one sentence each, with counts.
+std::vector<std::string> describe_incomplete(const ObjectCounts& counts, const std::string& source);
 
 /// Writes objects as objects.json lists them. `source` is where the evidence is from.
 nlohmann::json objects_json(const std::vector<RemovedObject>& objects, const std::string& source);
