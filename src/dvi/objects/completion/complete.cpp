@@ -30,6 +30,7 @@ struct CompletionParams {
   double max_covered_share = 0.5;              ///< of a track's outline, from which the mask shows the object in this frame
   double static_s = 1;                         ///< time over which scans observe a voxel of a stationary object
   std::int64_t max_scan_gap_ns = 100'000'000;  ///< time to the scan that shows a frame's objects
+  double max_range_m = 200;                    ///< farther objects cover a few pixels
   double judged_radius_m = 0.1;                ///< radius around the center of a voxel that a scan must pass
   double border_m = 0.35;                      ///< deviation of an object's drawn outline from its true one
   int min_border_px = 3;                       ///< deviation of masks from the true outline
@@ -136,6 +137,13 @@ class CompletedObjects::FrameDrawing {
   // Draws an object where `mask` lacks it into `completed`, and where the mask shows it into `shown`.
   void draw(int number, const CompletedObject& object, const cv::Mat1b& mask, std::vector<Label>& completed,
             std::vector<Label>& shown) const {
+    const ObjectColumns occupied = fill_columns(object.voxels);
+    std::vector<ObjectColumns> moving;
+    for (const Track& track : object.tracks)
+      if (ObjectColumns columns = objects::fill_columns(track, time_ns_); !columns.empty())
+        moving.push_back(std::move(columns));
+    const std::optional<Box> box = find_visible_box(object);
+    if (occupied.empty() && moving.empty() && !box) return;
     const std::string type = object.boxes ? object.boxes->type() : "";
     cv::Mat1b lacking(mask.size(), uchar{0}), covered = lacking.clone();
     const auto add = [&](const cv::Mat1b& drawn, double depth_m, double max_covered_share) {
@@ -149,10 +157,9 @@ class CompletedObjects::FrameDrawing {
         add(columns.draw(all_.ground_, drive_.camera, camera_from_world_), columns.nearest_m(camera_from_world_),
             max_covered_share);
     };
-    add_columns(fill_columns(object.voxels), 1);
-    for (const Track& track : object.tracks) add_columns(objects::fill_columns(track, time_ns_), kCompletion.max_covered_share);
-    if (const std::optional<Box> box = find_visible_box(object))
-      add(draw_box(*box), (camera_from_world_ * box->frame_from_box.t).z(), 1);
+    add_columns(occupied, 1);
+    for (const ObjectColumns& columns : moving) add_columns(columns, kCompletion.max_covered_share);
+    if (box) add(draw_box(*box), (camera_from_world_ * box->frame_from_box.t).z(), 1);
     add_label(number, type, lacking, completed);
     add_label(number, type, covered, shown);
   }
@@ -181,8 +188,12 @@ class CompletedObjects::FrameDrawing {
     return seen != FreeSpace::Seen::passed && seen != FreeSpace::Seen::hidden;
   }
 
+  // Returns whether an object at a position covers more than a few pixels.
+  bool is_in_range(const Eigen::Vector3d& world) const { return (camera_from_world_ * world).norm() < kCompletion.max_range_m; }
+
   ObjectColumns fill_columns(const std::vector<OccupiedVoxel>& voxels) const {
     ObjectColumns columns;
+    if (voxels.empty() || !is_in_range(voxels.front().center())) return columns;
     for (const OccupiedVoxel& voxel : voxels)
       if (is_visible(voxel)) columns.add(voxel.center(), 0.5 * kObjectVoxelM);
     return columns;
@@ -191,7 +202,8 @@ class CompletedObjects::FrameDrawing {
   std::optional<Box> find_visible_box(const CompletedObject& object) const {
     if (!object.boxes) return std::nullopt;
     std::optional<Box> box = object.boxes->at(time_ns_);
-    return box && space_ && is_absent_or_hidden(*box, *space_) ? std::nullopt : box;
+    if (!box || !is_in_range(box->frame_from_box.t)) return std::nullopt;
+    return space_ && is_absent_or_hidden(*box, *space_) ? std::nullopt : box;
   }
 
   cv::Mat1b draw_box(const Box& world) const {
