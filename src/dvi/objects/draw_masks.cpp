@@ -66,12 +66,16 @@ Lazy<cv::Mat1b> draw_camera(const CameraRef& ref, const Objects& objects, const 
   return images;
 }
 
+// Returns the removed ones of a drive's labels, as they are given.
+FrameLabels select_given_labels(const CameraEvidence& evidence, const RemovalOptions& options) {
+  const Drive& drive = evidence.drive;
+  return options.remove == Remove::moving ? remove_stationary(drive, evidence.world_from_lidar) : drive.labels();
+}
+
 }  // namespace
 
 FrameLabels select_removed_labels(const CameraEvidence& evidence, const RemovalOptions& options) {
-  const Drive& drive = evidence.drive;
-  FrameLabels labels = options.remove == Remove::moving ? remove_stationary(drive, evidence.world_from_lidar) : drive.labels();
-  return extend_past_border(drive, std::move(labels), evidence.world_from_lidar, options.masks);
+  return extend_past_border(evidence.drive, select_given_labels(evidence, options), evidence.world_from_lidar, options.masks);
 }
 
 Lazy<cv::Mat1b> draw_object_masks(const CameraEvidence& evidence, const SharedLabels& objects, const RemovalOptions& options) {
@@ -112,12 +116,13 @@ GivenMasks draw_given_masks(const Evidence& evidence, const RemovalOptions& opti
   for (std::size_t i = 0; i < evidence.size(); ++i) {
     const CameraEvidence& camera = evidence[i];
     const Lazy<cv::Mat1b> images = camera.is_given()
-                                       ? draw_plain_masks(camera, shared(select_removed_labels(camera, options)), options)
+                                       ? draw_plain_masks(camera, shared(select_given_labels(camera, options)), options)
                                        : draw_ego_masks(camera);
     out.masks.push_back({images});
   }
   const CameraEvidence& target = evidence[0];
-  out.complete = !target.source || (target.is_given() && !options.masks.shadows && !options.objects.complete);
+  const bool is_exact = !options.masks.shadows && !options.objects.complete && options.remove != Remove::all;
+  out.complete = !target.source || (target.source == MaskSource::files && is_exact);
   return out;
 }
 

@@ -24,7 +24,8 @@ Masks draw_masks(const Evidence& evidence, const Objects& objects, const Removal
 /// Finds the objects and draws their masks.
 Masks find_and_draw(const Evidence& evidence, const RemovalOptions& options, Progress& progress);
 
-/// The masks that follow from mask files and labels alone, without searches in scans or images.
+/// The masks that follow from mask files and labels alone, without searches in scans or images and without estimated poses. A
+/// run may extend them.
 struct GivenMasks {
   Masks masks;            ///< without labels of objects
   bool complete = false;  ///< whether a run uses exactly these masks for the own camera of the target
