@@ -1,9 +1,12 @@
 #include "dvi/depth/occluders.h"
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include <opencv2/imgproc.hpp>
+
+#include "dvi/core/median.h"
+#include "dvi/image/region.h"
 
 namespace dvi::depth {
 namespace {
@@ -32,9 +35,7 @@ int estimate_gap_px(const std::vector<ImageReturn>& returns, int width) {
       if (rows[i] - rows[i - 1] >= 1) gaps.push_back(rows[i] - rows[i - 1]);  // less: the same ray
   }
   if (gaps.empty()) return kOccluders.max_gap_px;
-  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
-  std::nth_element(gaps.begin(), middle, gaps.end());
-  return std::clamp(cvCeil(*middle), 1, kOccluders.max_gap_px);
+  return std::clamp(cvCeil(median(std::move(gaps))), 1, kOccluders.max_gap_px);
 }
 
 /// Removes the connected parts of a mask with few returns.
@@ -50,8 +51,6 @@ void remove_small_groups(const cv::Mat1b& returns, cv::Mat1b& mask) {
       if (mask(y, x) != 0 && members[static_cast<std::size_t>(labels(y, x))] < kOccluders.min_returns) mask(y, x) = 0;
 }
 
-cv::Mat make_ellipse(int width, int height) { return cv::getStructuringElement(cv::MORPH_ELLIPSE, {width, height}); }
-
 }  // namespace
 
 cv::Mat1b find_occluders(const DepthMap& depth, const std::vector<ImageReturn>& returns) {
@@ -60,23 +59,20 @@ cv::Mat1b find_occluders(const DepthMap& depth, const std::vector<ImageReturn>& 
   if (returns.empty()) return front;
   const int edge = 2 * kOccluders.edge_px + 1;
   cv::Mat1f nearest;
-  cv::erode(depth.z, nearest, make_ellipse(edge, edge));
-  bool found = false;
+  cv::erode(depth.z, nearest, cv::getStructuringElement(cv::MORPH_ELLIPSE, {edge, edge}));
   for (const ImageReturn& r : returns) {
     const int x = cvRound(r[0]), y = cvRound(r[1]);
     const float limit = nearest(y, x);
     if (r[2] > kOccluders.max_depth_m || limit == DepthMap::kUnknown) continue;
     if (r[2] + kOccluders.min_step_m >= limit * (1 - kOccluders.min_step_share)) continue;
     front(y, x) = 255;
-    found = true;
   }
-  if (!found) return front;
+  if (cv::countNonZero(front) == 0) return front;
   const int gap = estimate_gap_px(returns, size.width);
   cv::Mat1b closed;
   cv::morphologyEx(front, closed, cv::MORPH_CLOSE, cv::Mat1b::ones(3 * gap + 1, 2 * gap + 1));
   remove_small_groups(front, closed);
-  cv::dilate(closed, closed, make_ellipse(2 * kOccluders.margin_px + 1, 2 * kOccluders.margin_px + 1));
-  return closed;
+  return grown(closed, kOccluders.margin_px);
 }
 
 }  // namespace dvi::depth

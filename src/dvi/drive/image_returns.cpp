@@ -7,12 +7,6 @@
 #include "dvi/drive/nearest_in_time.h"
 
 namespace dvi {
-namespace {
-
-constexpr std::int64_t kMaxFrameToScanNs = 100'000'000;  // one scan period
-
-}  // namespace
-
 std::vector<ImageReturn> project_returns(const Drive& drive, std::size_t frame, const Trajectory& world_from_lidar) {
   std::vector<ImageReturn> out;
   const std::int64_t time_ns = drive.frames[frame].time_ns;

@@ -23,6 +23,9 @@ Iterator nearest_in_time(Iterator begin, Iterator end, std::int64_t time_ns,
   return from(std::invoke(time_of, *before));
 }
 
+/// The time within which an image and a scan show the same moment: the period of a LiDAR at 10 Hz.
+inline constexpr std::int64_t kMaxFrameToScanNs = 100'000'000;
+
 /// Does the same for a list; returns null if the item is farther than `within_ns` from the time.
 template <class Items>
 auto nearest_in_time(const Items& items, std::int64_t time_ns, std::int64_t within_ns) -> const typename Items::value_type* {

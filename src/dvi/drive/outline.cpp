@@ -94,6 +94,12 @@ void draw(const Instance& outline, cv::Mat1b& mask) {
   }
 }
 
+cv::Mat1b draw_instances(const std::vector<Label>& labels, cv::Size size) {
+  cv::Mat1b mask(size, uchar{0});
+  for (const Label& label : labels) draw(*label.instance, mask);
+  return mask;
+}
+
 bool draw_hull(const std::vector<Eigen::Vector3d>& points, const Camera& camera, cv::Mat1b& mask) {
   std::vector<cv::Point> pixels, hull;
   for (const Eigen::Vector3d& point : points) {

@@ -27,6 +27,9 @@ Instance to_outline(const std::vector<Polygon>& polygons, cv::Size size);
 /// Sets the pixels of an outline within the mask to 255.
 void draw(const Instance& outline, cv::Mat1b& mask);
 
+/// Draws the outlines of labels, all of which must have one, into an empty mask.
+cv::Mat1b draw_instances(const std::vector<Label>& labels, cv::Size size);
+
 /// The distance in meters in front of the camera below which points are not projected.
 inline constexpr double kNearPlane = 0.3;
 

@@ -33,18 +33,11 @@ bool has_labels(const FrameLabels& labels) {
   return std::any_of(labels.begin(), labels.end(), [](const std::vector<Label>& frame) { return !frame.empty(); });
 }
 
-cv::Mat1b draw_outlines(const std::vector<Label>& labels, cv::Size size) {
-  cv::Mat1b mask(size, uchar{0});
-  for (const Label& label : labels) draw(*label.instance, mask);
-  return mask;
-}
-
 // Draws the masks of objects in another camera that the labels of the drive's own camera do not outline there: objects without
 // a box, and everything outside of its view.
-Lazy<cv::Mat1b> draw_unlabeled(const CameraEvidence& own, FrameLabels objects, const CameraEvidence& other,
+Lazy<cv::Mat1b> draw_unlabeled(const CameraEvidence& own, const FrameLabels& objects, const CameraEvidence& other,
                                const RemovalOptions& options) {
-  for (std::vector<Label>& frame : objects) std::erase_if(frame, [](const Label& label) { return label.box.has_value(); });
-  return reproject_masks(own.drive, draw_plain_masks(own, shared(std::move(objects)), options), other.drive,
+  return reproject_masks(own.drive, draw_plain_masks(own, shared(select_unboxed(objects)), options), other.drive,
                          other.world_from_lidar);
 }
 
@@ -55,7 +48,7 @@ Lazy<cv::Mat1b> draw_camera(const CameraRef& ref, const Objects& objects, const 
     progress.note(fmt::format("{}: mask files are dilated by {} px (masks.dilate_px)", own.name, radius));
   if (const SharedLabels& completed = objects[ref.index].completed; has_labels(*completed))
     images = unite(images, {images.size(), [completed, size = cv::Size(own.drive.camera.width, own.drive.camera.height)](
-                                               std::size_t i) { return draw_outlines((*completed)[i], size); }});
+                                               std::size_t i) { return draw_instances((*completed)[i], size); }});
   const bool from_scans = own.source == MaskSource::found;
   if (own.source && (from_scans || options.masks.shadows))
     images = refine_masks(ref, images, {from_scans ? objects[ref.index].labels : nullptr, options.masks.shadows}, progress);
@@ -73,6 +66,11 @@ FrameLabels select_given_labels(const CameraEvidence& evidence, const RemovalOpt
 }
 
 }  // namespace
+
+FrameLabels select_unboxed(FrameLabels labels) {
+  for (std::vector<Label>& frame : labels) std::erase_if(frame, [](const Label& label) { return label.box.has_value(); });
+  return labels;
+}
 
 FrameLabels select_removed_labels(const CameraEvidence& evidence, const RemovalOptions& options) {
   return extend_past_border(evidence.drive, select_given_labels(evidence, options), evidence.world_from_lidar, options.masks);

@@ -45,4 +45,7 @@ Lazy<cv::Mat1b> draw_plain_masks(const CameraEvidence& evidence, const SharedLab
 /// that are not stationary. Tracks that end at the image border are extended.
 FrameLabels select_removed_labels(const CameraEvidence& evidence, const RemovalOptions& options);
 
+/// Returns the labels without a 3D box, which the masks of their camera only show.
+FrameLabels select_unboxed(FrameLabels labels);
+
 }  // namespace dvi::objects

@@ -22,8 +22,6 @@
 namespace dvi::objects {
 namespace {
 
-constexpr std::int64_t kMaxFrameToScanNs = 100'000'000;
-
 FrameLabels run_detector(const CameraEvidence& evidence, Progress& progress) {
   const Drive& drive = evidence.drive;
   progress.begin("detect", drive.frames.size());
@@ -171,11 +169,6 @@ void warn_of_all_removed(const CameraEvidence& evidence, Progress& progress) {
 // Whether masks, labels, or detections of this camera show objects.
 bool shows_objects(const CameraEvidence& camera) { return camera.is_given() || camera.source == MaskSource::detected; }
 
-FrameLabels select_unboxed(FrameLabels labels) {
-  for (std::vector<Label>& frame : labels) std::erase_if(frame, [](const Label& label) { return label.box.has_value(); });
-  return labels;
-}
-
 // Labels beside mask files are evidence only if they are removed, too.
 CameraMaskEvidence collect_mask_evidence(const CameraEvidence& camera, const SharedLabels& labels,
                                          const RemovalOptions& options) {
@@ -188,26 +181,24 @@ CameraMaskEvidence collect_mask_evidence(const CameraEvidence& camera, const Sha
 // Completes the objects of the drive whose own camera is `own` in all of its cameras.
 void complete_drive(const Evidence& evidence, std::size_t own, const RemovalOptions& options, MovingObjects& moving,
                     Progress& progress, Objects& objects) {
-  const Drive& drive = evidence[own].drive;
   std::vector<CameraMaskEvidence> cameras;
-  for (std::size_t i = own; i < evidence.size(); ++i)
-    if (evidence.own_camera(i) == own && shows_objects(evidence[i]))
-      cameras.push_back(collect_mask_evidence(evidence[i], objects[i].labels, options));
+  std::vector<CameraObjects*> objects_of;  // per camera
+  for (std::size_t i = own; i < evidence.size(); ++i) {
+    if (evidence.own_camera(i) != own || !shows_objects(evidence[i])) continue;
+    cameras.push_back(collect_mask_evidence(evidence[i], objects[i].labels, options));
+    objects_of.push_back(&objects[i]);
+  }
   if (cameras.empty() || !evidence.ground(own)) return;
   const DriveMotion& motion = moving.of_drive(own);
-  std::vector<std::int64_t> scan_times_ns;
-  for (const ScanHeader& header : drive.scan_headers) scan_times_ns.push_back(header.time_ns);
-  progress.begin("complete", drive.scan_headers.size());
-  const CompletedObjects completed({cameras, *motion.returns, *motion.ground, motion.tracks, options.masks}, scan_times_ns,
-                                   progress.tick());
+  progress.begin("complete", motion.returns->scans());
+  const CompletedObjects completed({cameras, *motion.returns, *motion.ground, motion.tracks, options.masks}, progress.tick());
   progress.end();
-  for (std::size_t i = own; i < evidence.size(); ++i)
-    if (evidence.own_camera(i) == own && shows_objects(evidence[i])) {
-      ObjectOutlines outlines = completed.draw(evidence[i], draw_object_masks(evidence[i], objects[i].labels, options));
-      objects[i].completed = shared(std::move(outlines.completed));
-      objects[i].shown = shared(std::move(outlines.shown));
-      objects[i].motions = completed.motions();
-    }
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    ObjectOutlines outlines = completed.draw(cameras[i].camera, cameras[i].removed);
+    objects_of[i]->completed = shared(std::move(outlines.completed));
+    objects_of[i]->shown = shared(std::move(outlines.shown));
+    objects_of[i]->motions = completed.motions();
+  }
 }
 
 }  // namespace

@@ -59,9 +59,7 @@ struct BlindStreet {
     return segment_motion(returns, [] {}).tracks;
   }
   cv::Mat1b draw_labels(const std::vector<Label>& labels) const {
-    cv::Mat1b mask(scene->camera().height, scene->camera().width, uchar{0});
-    for (const Label& label : labels) draw(*label.instance, mask);
-    return mask;
+    return draw_instances(labels, {scene->camera().width, scene->camera().height});
   }
 };
 

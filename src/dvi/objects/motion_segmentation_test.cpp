@@ -43,12 +43,6 @@ MotionSegmentation segment(const Drive& drive, const ScanPoses& poses) {
   return segment_motion(returns, [] {});
 }
 
-cv::Mat1b draw_labels(const std::vector<Label>& labels, cv::Size size) {
-  cv::Mat1b mask(size, uchar{0});
-  for (const Label& label : labels) draw(*label.instance, mask);
-  return mask;
-}
-
 TEST(MotionSegmentation, FindsMovingObjectsAndNoStaticOnes) {
   const Street street(14);
   const std::vector<Track> tracks = segment(street.drive, {street.drive.poses}).tracks;
@@ -57,11 +51,11 @@ TEST(MotionSegmentation, FindsMovingObjectsAndNoStaticOnes) {
   double covered = 0, all = 0;
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const synth::SynthFrame truth = street.scene->render(static_cast<int>(i));
-    const cv::Mat1b found = draw_labels(labels[i], truth.dynamic.size());
+    const cv::Mat1b found = draw_instances(labels[i], truth.dynamic.size());
     covered += cv::countNonZero(grown(found, 3) & truth.dynamic);
     all += cv::countNonZero(truth.dynamic);
     for (const Label& label : labels[i]) {
-      const cv::Mat1b own = draw_labels({label}, truth.dynamic.size());
+      const cv::Mat1b own = draw_instances({label}, truth.dynamic.size());
       EXPECT_GT(cv::countNonZero(own & grown(truth.dynamic, 3)), cv::countNonZero(own) / 3)
           << "frame " << i << " track " << label.track;
       ASSERT_TRUE(label.box);

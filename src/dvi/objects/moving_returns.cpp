@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "dvi/drive/deskew.h"
+#include "dvi/drive/nearest_in_time.h"
 
 namespace dvi::objects {
 namespace {
@@ -93,6 +94,12 @@ std::vector<std::size_t> MovingReturns::select_distant(std::size_t scan) const {
   std::vector<std::size_t> distant = select(step);
   while (distant.size() > kVoting.max_distant_scans) distant = select(step *= 2);
   return distant;
+}
+
+std::optional<std::size_t> MovingReturns::find_scan(std::int64_t time_ns) const {
+  const ScanHeader* const nearest = nearest_in_time(drive_.scan_headers, time_ns, kMaxFrameToScanNs);
+  if (!nearest) return std::nullopt;
+  return static_cast<std::size_t>(nearest - drive_.scan_headers.data());
 }
 
 bool MovingReturns::can_observe(std::size_t scan, const Eigen::Vector2d& position) const {

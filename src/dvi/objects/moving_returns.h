@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "dvi/drive/drive.h"
@@ -45,6 +46,10 @@ class MovingReturns {
   MovingReturns& operator=(const MovingReturns&) = delete;
 
   std::size_t scans() const { return sensors_.size(); }
+  /// Returns the time of the middle of a scan.
+  std::int64_t time_ns(std::size_t scan) const { return drive_.scan_headers[scan].time_ns; }
+  /// Returns the scan nearest to a time; nothing if it is farther than kMaxFrameToScanNs from that time.
+  std::optional<std::size_t> find_scan(std::int64_t time_ns) const;
   /// Returns the obstacle returns of a scan without votes, or none if its pose is wrong.
   std::shared_ptr<const ObstacleReturns> obstacles(std::size_t scan) const;
   /// Returns the obstacle returns of a scan with the visibility votes of the other scans.

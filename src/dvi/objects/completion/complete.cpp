@@ -1,19 +1,14 @@
 #include "dvi/objects/completion/complete.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <limits>
 #include <map>
 #include <optional>
-#include <tuple>
 #include <utility>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/threads.h"
-#include "dvi/drive/nearest_in_time.h"
 #include "dvi/drive/outline.h"
 #include "dvi/image/region.h"
 #include "dvi/objects/completion/identities.h"
@@ -24,16 +19,14 @@ namespace dvi::objects {
 namespace {
 
 struct CompletionParams {
-  double min_masked_share = 0.5;               ///< masked share of a track's visible returns in a scan in which masks show it
-  std::size_t min_masked_scans = 2;            ///< scans in which masks show a track
-  double min_track_share = 0.2;                ///< the same, as a share of the scans in which the track is visible
-  double max_covered_share = 0.5;              ///< of a track's outline, from which the mask shows the object in this frame
-  double static_s = 1;                         ///< time over which scans observe a voxel of a stationary object
-  std::int64_t max_scan_gap_ns = 100'000'000;  ///< time to the scan that shows a frame's objects
-  double max_range_m = 200;                    ///< farther objects cover a few pixels
-  double judged_radius_m = 0.1;                ///< radius around the center of a voxel that a scan must pass
-  double border_m = 0.35;                      ///< deviation of an object's drawn outline from its true one
-  int min_border_px = 3;                       ///< deviation of masks from the true outline
+  double min_masked_share = 0.5;     ///< masked share of a track's visible returns in a scan in which masks show it
+  std::size_t min_masked_scans = 2;  ///< scans in which masks show a track
+  double min_track_share = 0.2;      ///< the same, as a share of the scans in which the track is visible
+  double max_covered_share = 0.5;    ///< of a track's outline, from which the mask shows the object in this frame
+  double static_s = 1;               ///< time over which scans observe a voxel of a stationary object
+  double max_range_m = 200;          ///< farther objects cover a few pixels
+  double border_m = 0.35;            ///< deviation of an object's drawn outline from its true one
+  int min_border_px = 3;             ///< deviation of masks from the true outline
 };
 constexpr CompletionParams kCompletion;
 
@@ -107,14 +100,13 @@ cv::Mat1b find_uncovered(const cv::Mat1b& object, const cv::Mat1b& mask, int bor
 
 }  // namespace
 
-CompletedObjects::CompletedObjects(const CompletionInput& input, const std::vector<std::int64_t>& scan_times_ns,
-                                   const Tick& tick)
-    : returns_(input.returns), ground_(input.ground), scan_times_ns_(scan_times_ns), options_(input.options) {
+CompletedObjects::CompletedObjects(const CompletionInput& input, const Tick& tick)
+    : returns_(input.returns), ground_(input.ground), options_(input.options) {
   if (input.cameras.empty()) return;
   const CameraMaskEvidence& own = input.cameras.front();
-  std::vector<OccupiedVoxel> voxels = find_object_space(input.cameras, input.returns, scan_times_ns, tick);
+  std::vector<OccupiedVoxel> voxels = find_object_space(input.cameras, input.returns, tick);
   std::vector<Track> tracks = find_removed_tracks(input);
-  const Identities identities = identify(own, {voxels, tracks, scan_times_ns});
+  const Identities identities = identify(own, {voxels, tracks, input.returns});
   for (std::size_t i = 0; i < voxels.size(); ++i) objects_[identities.of_voxel[i]].voxels.push_back(std::move(voxels[i]));
   for (std::size_t k = 0; k < tracks.size(); ++k) objects_[identities.of_track[k]].tracks.push_back(std::move(tracks[k]));
   for (LabeledBoxes& boxes : LabeledBoxes::collect(own.camera.drive, *own.labels, own.camera.world_from_lidar))
@@ -130,7 +122,7 @@ class CompletedObjects::FrameDrawing {
         time_ns_(drive_.frames[frame].time_ns),
         lidar_from_world_(world_from_lidar.inverse()),
         camera_from_world_(drive_.camera_from_lidar * lidar_from_world_),
-        scan_(objects.find_scan(time_ns_)) {
+        scan_(objects.returns_.find_scan(time_ns_)) {
     if (scan_) space_ = objects.returns_.free_space(*scan_);
   }
 
@@ -184,7 +176,7 @@ class CompletedObjects::FrameDrawing {
     const bool is_between = time_ns_ >= voxel.first_return_ns && time_ns_ <= voxel.last_return_ns;
     if (!is_static && !is_between) return false;
     if (!space_ || !space_->valid()) return true;
-    const FreeSpace::Seen seen = space_->judge(voxel.center(), kCompletion.judged_radius_m);
+    const FreeSpace::Seen seen = space_->judge(voxel.center(), kJudgedRadiusM);
     return seen != FreeSpace::Seen::passed && seen != FreeSpace::Seen::hidden;
   }
 
@@ -219,13 +211,6 @@ class CompletedObjects::FrameDrawing {
   std::optional<std::size_t> scan_;  // taken with the frame
   std::shared_ptr<const FreeSpace> space_;
 };
-
-std::optional<std::size_t> CompletedObjects::find_scan(std::int64_t time_ns) const {
-  const auto nearest =
-      nearest_in_time(scan_times_ns_.begin(), scan_times_ns_.end(), time_ns, [](std::int64_t time) { return time; });
-  if (nearest == scan_times_ns_.end() || std::abs(*nearest - time_ns) > kCompletion.max_scan_gap_ns) return std::nullopt;
-  return static_cast<std::size_t>(nearest - scan_times_ns_.begin());
-}
 
 ObjectOutlines CompletedObjects::draw(const CameraEvidence& camera, const Lazy<cv::Mat1b>& masks) const {
   const std::size_t frames = camera.drive.frames.size();

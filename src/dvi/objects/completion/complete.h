@@ -43,7 +43,7 @@ class CompletedObjects {
  public:
   /// Finds the objects that masks or labels show in at least two frames: the labeled 3D boxes, the space that objects occupied
   /// (object_space.h), and the moving objects among the tracks. Calls `tick` once per scan.
-  CompletedObjects(const CompletionInput& input, const std::vector<std::int64_t>& scan_times_ns, const Tick& tick);
+  CompletedObjects(const CompletionInput& input, const Tick& tick);
 
   /// Draws the objects into the frames of a camera of the drive, whose masks are per frame. The border of a mask counts as
   /// covered, so that correct masks remain as they are.
@@ -55,11 +55,8 @@ class CompletedObjects {
  private:
   class FrameDrawing;
 
-  std::optional<std::size_t> find_scan(std::int64_t time_ns) const;
-
   const MovingReturns& returns_;
   const ground::ScanGround& ground_;
-  std::vector<std::int64_t> scan_times_ns_;
   MaskOptions options_;
   std::map<int, CompletedObject> objects_;  // by number: the track of its labels, or a higher number
 };

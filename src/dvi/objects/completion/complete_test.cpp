@@ -184,10 +184,8 @@ FrameMasks draw_completed(const Evidence& evidence, const RemovalOptions& option
   const Camera& lens = evidence[camera].drive.camera;
   const Objects objects = find_objects(evidence, options, progress);
   FrameMasks out;
-  for (const std::vector<Label>& frame : *objects[camera].completed) {
-    cv::Mat1b& mask = out.emplace_back(lens.height, lens.width, uchar{0});
-    for (const Label& label : frame) draw(*label.instance, mask);
-  }
+  for (const std::vector<Label>& frame : *objects[camera].completed)
+    out.push_back(draw_instances(frame, {lens.width, lens.height}));
   return out;
 }
 

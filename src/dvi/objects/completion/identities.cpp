@@ -66,7 +66,7 @@ TrackVoxels find_track_voxels(const std::vector<Track>& tracks) {
   for (std::size_t k = 0; k < tracks.size(); ++k)
     for (const Cluster& observation : tracks[k].observations)
       for (const Eigen::Vector3d& point : observation.points) {
-        const Eigen::Vector3i index = (point / kObjectVoxelM).array().floor().cast<int>();
+        const Eigen::Vector3i index = voxel_at(point);
         out.try_emplace({observation.scan, index.x(), index.y(), index.z()}, k);
       }
   return out;
@@ -82,7 +82,7 @@ Identities identify(const CameraMaskEvidence& labeled, const ObjectParts& parts)
     Votes votes;
     for (const Cluster& observation : track.observations) {
       const Eigen::Vector3d middle = observation.points[observation.points.size() / 2];
-      if (const auto number = labels.find(middle, parts.scan_times_ns[observation.scan]))
+      if (const auto number = labels.find(middle, parts.returns.time_ns(observation.scan)))
         votes.add(*number);
       else
         votes.add_other();
@@ -95,7 +95,7 @@ Identities identify(const CameraMaskEvidence& labeled, const ObjectParts& parts)
   for (const OccupiedVoxel& voxel : parts.voxels)
     for (const std::size_t scan : voxel.evidence) {
       const auto track = track_voxels.find({scan, voxel.index.x(), voxel.index.y(), voxel.index.z()});
-      if (const auto number = labels.find(voxel.center(), parts.scan_times_ns[scan]))
+      if (const auto number = labels.find(voxel.center(), parts.returns.time_ns(scan)))
         votes[voxel.object].add(*number);
       else if (track != track_voxels.end())
         votes[voxel.object].add(out.of_track[track->second]);

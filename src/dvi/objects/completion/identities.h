@@ -13,7 +13,7 @@ namespace dvi::objects {
 struct ObjectParts {
   const std::vector<OccupiedVoxel>& voxels;  ///< with the number of their group
   const std::vector<Track>& tracks;
-  const std::vector<std::int64_t>& scan_times_ns;
+  const MovingReturns& returns;  ///< of the scans
 };
 
 /// The numbers of the objects to which parts belong.

@@ -25,7 +25,6 @@ struct MaskedDrive {
   SharedLabels labels;
   ground::ScanGround ground;
   MovingReturns returns;
-  std::vector<std::int64_t> scan_times_ns;
 
   MaskedDrive(Drive recorded, std::vector<cv::Mat1b> frame_masks, FrameLabels frame_labels = {})
       : drive(std::move(recorded)),
@@ -33,28 +32,24 @@ struct MaskedDrive {
         masks(make_masks(drive, std::move(frame_masks))),
         labels(make_labels(drive, std::move(frame_labels))),
         ground(drive, drive.poses),
-        returns(drive, {drive.poses}, ground) {
-    for (const ScanHeader& header : drive.scan_headers) scan_times_ns.push_back(header.time_ns);
-  }
+        returns(drive, {drive.poses}, ground) {}
   MaskedDrive(const MaskedDrive&) = delete;
   MaskedDrive& operator=(const MaskedDrive&) = delete;
 
   std::vector<CameraMaskEvidence> cameras() const { return {{evidence, masks, masks, labels}}; }
   std::vector<OccupiedVoxel> find_space() const {
-    return find_object_space(cameras(), returns, scan_times_ns, [] {});
+    return find_object_space(cameras(), returns, [] {});
   }
 
   /// Draws what completion adds to the masks, per frame.
   std::vector<cv::Mat1b> complete() {
     const std::vector<Track> tracks = segment_motion(returns, [] {}).tracks;
     const MaskOptions options;
-    const CompletedObjects objects({cameras(), returns, ground, tracks, options}, scan_times_ns, [] {});
+    const CompletedObjects objects({cameras(), returns, ground, tracks, options}, [] {});
     std::vector<cv::Mat1b> out;
     const FrameLabels completed = objects.draw(evidence, masks).completed;
-    for (const std::vector<Label>& frame : completed) {
-      cv::Mat1b& mask = out.emplace_back(drive.camera.height, drive.camera.width, uchar{0});
-      for (const Label& label : frame) draw(*label.instance, mask);
-    }
+    for (const std::vector<Label>& frame : completed)
+      out.push_back(draw_instances(frame, {drive.camera.width, drive.camera.height}));
     return out;
   }
 

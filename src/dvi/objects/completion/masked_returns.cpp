@@ -17,9 +17,8 @@ namespace dvi::objects {
 namespace {
 
 struct MaskVoteParams {
-  std::int64_t max_frame_to_scan_ns = 100'000'000;  ///< one scan period
-  double square_m = 0.3;                            ///< edge of the squares that group returns; cars are parked 0.5 m apart
-  double min_object_share = 0.7;                    ///< masked share of the visible returns of an object
+  double square_m = 0.3;            ///< edge of the squares that group returns; cars are parked 0.5 m apart
+  double min_object_share = 0.7;    ///< masked share of the visible returns of an object
   double min_dominant_share = 0.6;  ///< share of a mask's returns that its object has if other things touch the object ...
   double min_touching_share = 0.3;  ///< ... and masked share of the visible returns of both together
   double box_margin_m = 0.1;        ///< error of 3D boxes
@@ -136,7 +135,7 @@ std::optional<cv::Point> MaskedFrame::project(const Eigen::Vector3d& world) cons
 
 std::optional<MaskedFrame> find_masked_frame(const CameraMaskEvidence& evidence, std::int64_t time_ns) {
   const Drive& drive = evidence.camera.drive;
-  const Frame* const nearest = nearest_in_time(drive.frames, time_ns, kMaskVoting.max_frame_to_scan_ns);
+  const Frame* const nearest = nearest_in_time(drive.frames, time_ns, kMaxFrameToScanNs);
   if (!nearest) return std::nullopt;
   const std::optional<SE3> pose = evidence.camera.world_from_lidar.at(nearest->time_ns);
   if (!pose) return std::nullopt;

@@ -39,8 +39,8 @@ struct MaskedFrame {
   std::optional<cv::Point> project(const Eigen::Vector3d& world) const;
 };
 
-/// Finds the frame of a camera nearest to a time. Returns nothing if the nearest frame has no pose or is taken more than half a
-/// scan period, or 100 ms, from that time.
+/// Finds the frame of a camera nearest to a time. Returns nothing if it has no pose or is farther than kMaxFrameToScanNs from
+/// that time.
 std::optional<MaskedFrame> find_masked_frame(const CameraMaskEvidence& evidence, std::int64_t time_ns);
 
 /// The nearest surfaces in the masked parts of an image.

@@ -24,9 +24,8 @@ constexpr ColumnParams kColumns;
 }  // namespace
 
 void ObjectColumns::add(const Eigen::Vector3d& point, double half_height_m) {
-  const std::pair<int, int> column(static_cast<int>(std::floor(point.x() / kObjectVoxelM)),
-                                   static_cast<int>(std::floor(point.y() / kObjectVoxelM)));
-  double& top_m = tops_m_.try_emplace(column, -std::numeric_limits<double>::max()).first->second;
+  const Eigen::Vector3i index = voxel_at(point);
+  double& top_m = tops_m_.try_emplace(std::pair(index.x(), index.y()), -std::numeric_limits<double>::max()).first->second;
   top_m = std::max(top_m, point.z() + half_height_m);
 }
 

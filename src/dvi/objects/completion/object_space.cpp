@@ -1,7 +1,6 @@
 #include "dvi/objects/completion/object_space.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -16,8 +15,7 @@ namespace dvi::objects {
 namespace {
 
 struct ObjectSpaceParams {
-  double judged_radius_m = 0.1;  ///< radius around the center of a voxel that a scan must pass
-  int min_passes = 2;            ///< consecutive scans that pass an empty voxel; rays pass glass and edges at times
+  int min_passes = 2;  ///< consecutive scans that pass an empty voxel; rays pass glass and edges at times
   /// Share of the scans in which masks show an object in a voxel, among those in which images show the voxel, between the first
   /// and the last of them, and in all. Labels often begin and end while an object is visible.
   double min_inner_share = 0.6, min_object_share = 0.2;
@@ -29,9 +27,9 @@ constexpr ObjectSpaceParams kSpace;
 
 using VoxelKey = std::tuple<int, int, int>;
 
-VoxelKey key_of(const Eigen::Vector3d& x) {
-  return {static_cast<int>(std::floor(x.x() / kObjectVoxelM)), static_cast<int>(std::floor(x.y() / kObjectVoxelM)),
-          static_cast<int>(std::floor(x.z() / kObjectVoxelM))};
+VoxelKey key_of(const Eigen::Vector3d& world) {
+  const Eigen::Vector3i index = voxel_at(world);
+  return {index.x(), index.y(), index.z()};
 }
 
 Eigen::Vector3i index_of(const VoxelKey& key) { return {std::get<0>(key), std::get<1>(key), std::get<2>(key)}; }
@@ -69,12 +67,12 @@ ScanVoxels find_scan_voxels(const std::vector<CameraMaskEvidence>& cameras, cons
 
 // Finds the voxels in which masks show an object at any time.
 std::vector<CandidateVoxel> find_candidates(const std::vector<CameraMaskEvidence>& cameras, const MovingReturns& returns,
-                                            const std::vector<std::int64_t>& times, const Tick& tick) {
+                                            const Tick& tick) {
   std::set<VoxelKey> found;
   for_blocks(returns.scans(), [&](std::size_t first, std::size_t last) {
     std::vector<ScanVoxels> voxels(last - first);
     parallel_for(voxels.size(), [&](std::size_t i) {
-      voxels[i] = find_scan_voxels(cameras, *returns.obstacles(first + i), times[first + i]);
+      voxels[i] = find_scan_voxels(cameras, *returns.obstacles(first + i), returns.time_ns(first + i));
     });
     for (const ScanVoxels& scan : voxels) {
       for (const auto& [key, vote] : scan)
@@ -96,10 +94,10 @@ VoxelState to_state(MaskVote vote) {
 
 // Adds the observations of one scan to the voxels.
 void observe(const std::vector<CameraMaskEvidence>& cameras, const MovingReturns& returns, std::size_t scan,
-             std::int64_t time_ns, std::vector<CandidateVoxel>& voxels) {
+             std::vector<CandidateVoxel>& voxels) {
   if (!returns.is_trusted(scan)) return;
   const auto space = returns.free_space(scan);
-  const ScanVoxels hit = find_scan_voxels(cameras, *returns.obstacles(scan), time_ns);
+  const ScanVoxels hit = find_scan_voxels(cameras, *returns.obstacles(scan), returns.time_ns(scan));
   parallel_for(voxels.size(), [&](std::size_t i) {
     CandidateVoxel& voxel = voxels[i];
     if (const auto found = hit.find(voxel.key); found != hit.end()) {
@@ -108,7 +106,7 @@ void observe(const std::vector<CameraMaskEvidence>& cameras, const MovingReturns
     }
     const Eigen::Vector3d center = center_of(index_of(voxel.key));
     if (returns.can_observe(scan, center.head<2>()) && space->valid() &&
-        space->judge(center, kSpace.judged_radius_m) == FreeSpace::Seen::passed)
+        space->judge(center, kJudgedRadiusM) == FreeSpace::Seen::passed)
       voxel.observations.push_back({scan, VoxelState::free});
   });
 }
@@ -117,7 +115,7 @@ void observe(const std::vector<CameraMaskEvidence>& cameras, const MovingReturns
 // object occupied it.
 class Periods {
  public:
-  Periods(const CandidateVoxel& voxel, const std::vector<std::int64_t>& times) : voxel_(voxel), times_(times) {}
+  Periods(const CandidateVoxel& voxel, const MovingReturns& returns) : voxel_(voxel), returns_(returns) {}
 
   std::vector<OccupiedVoxel> find() {
     begin(std::numeric_limits<std::int64_t>::min());
@@ -131,8 +129,8 @@ class Periods {
       while (end < all.size() && all[end].state == VoxelState::free) ++end;
       const bool is_clear = static_cast<int>(end - i) >= kSpace.min_passes || end == all.size() || i == 0;
       if (is_clear) {
-        finish(times_[all[i].scan]);
-        begin(times_[all[end - 1].scan]);
+        finish(returns_.time_ns(all[i].scan));
+        begin(returns_.time_ns(all[end - 1].scan));
       }
       i = end - 1;
     }
@@ -147,7 +145,7 @@ class Periods {
   }
 
   void add_return(const VoxelObservation& observation) {
-    const std::int64_t time = times_[observation.scan];
+    const std::int64_t time = returns_.time_ns(observation.scan);
     if (period_.returns.empty()) period_.first_return_ns = time;
     period_.last_return_ns = time;
     period_.returns.push_back(observation.scan);
@@ -175,7 +173,7 @@ class Periods {
   }
 
   const CandidateVoxel& voxel_;
-  const std::vector<std::int64_t>& times_;
+  const MovingReturns& returns_;
   OccupiedVoxel period_;
   std::vector<std::size_t> background_;  // scans of the period
   std::vector<OccupiedVoxel> out_;
@@ -233,7 +231,7 @@ void number_objects(std::vector<OccupiedVoxel>& voxels) {
 // Removes voxels of static surfaces that wrong masks cover in few scans. Rays miss a voxel in most scans if they are far apart,
 // so the masks are compared with the scans that show background in the voxel or its neighbors while it is occupied.
 void remove_background(std::vector<OccupiedVoxel>& voxels, const std::vector<CandidateVoxel>& candidates,
-                       const std::vector<std::int64_t>& times) {
+                       const MovingReturns& returns) {
   std::map<VoxelKey, const CandidateVoxel*> by_key;
   for (const CandidateVoxel& candidate : candidates) by_key.emplace(candidate.key, &candidate);
   std::vector<char> is_background(voxels.size());
@@ -247,7 +245,7 @@ void remove_background(std::vector<OccupiedVoxel>& voxels, const std::vector<Can
           const auto found = by_key.find({voxel.index.x() + dx, voxel.index.y() + dy, voxel.index.z() + dz});
           if (found == by_key.end()) continue;
           for (const VoxelObservation& observation : found->second->observations) {
-            const std::int64_t time = times[observation.scan];
+            const std::int64_t time = returns.time_ns(observation.scan);
             if (time <= voxel.first_ns || time >= voxel.last_ns) continue;
             if (observation.state == VoxelState::object) object.insert(observation.scan);
             if (observation.state == VoxelState::background) background.insert(observation.scan);
@@ -266,13 +264,13 @@ void remove_background(std::vector<OccupiedVoxel>& voxels, const std::vector<Can
 Eigen::Vector3d OccupiedVoxel::center() const { return center_of(index); }
 
 std::vector<OccupiedVoxel> find_object_space(const std::vector<CameraMaskEvidence>& cameras, const MovingReturns& returns,
-                                             const std::vector<std::int64_t>& scan_times_ns, const Tick& tick) {
-  std::vector<CandidateVoxel> candidates = find_candidates(cameras, returns, scan_times_ns, tick);
-  for (std::size_t scan = 0; scan < returns.scans(); ++scan) observe(cameras, returns, scan, scan_times_ns[scan], candidates);
+                                             const Tick& tick) {
+  std::vector<CandidateVoxel> candidates = find_candidates(cameras, returns, tick);
+  for (std::size_t scan = 0; scan < returns.scans(); ++scan) observe(cameras, returns, scan, candidates);
   std::vector<OccupiedVoxel> out;
   for (const CandidateVoxel& voxel : candidates)
-    for (OccupiedVoxel& period : Periods(voxel, scan_times_ns).find()) out.push_back(std::move(period));
-  remove_background(out, candidates, scan_times_ns);
+    for (OccupiedVoxel& period : Periods(voxel, returns).find()) out.push_back(std::move(period));
+  remove_background(out, candidates, returns);
   number_objects(out);
   return out;
 }

@@ -26,13 +26,17 @@ struct OccupiedVoxel {
 };
 
 inline constexpr double kObjectVoxelM = 0.25;  ///< edge of the voxels; a car has about 300 on each side
+inline constexpr double kJudgedRadiusM = 0.1;  ///< around the center of a voxel that a scan must pass to observe it as free
+
+/// Returns the index of the voxel at a position in world axes.
+inline Eigen::Vector3i voxel_at(const Eigen::Vector3d& world) { return (world / kObjectVoxelM).array().floor().cast<int>(); }
 
 /// Finds the space that removed objects occupied (masks as evidence of objects). A voxel is occupied from the time before
 /// which, to the time after which, scans observe it as free. It belongs to an object for all of this time if masks show an
 /// object there in at least one scan and background in few. Neighboring voxels that are occupied at the same time belong to one
 /// object. Objects that masks show in one scan only are left out, because single masks may be wrong. `cameras` are those of the
-/// drive of `returns`, with its scan times `scan_times_ns`. Calls `tick` once per scan.
+/// drive of `returns`. Calls `tick` once per scan.
 std::vector<OccupiedVoxel> find_object_space(const std::vector<CameraMaskEvidence>& cameras, const MovingReturns& returns,
-                                             const std::vector<std::int64_t>& scan_times_ns, const Tick& tick);
+                                             const Tick& tick);
 
 }  // namespace dvi::objects

@@ -130,7 +130,7 @@ TEST(ObjectSpace, IsEmptyWithoutPosesOrMasks) {
   unposed.poses = Trajectory();
   EXPECT_TRUE(MaskedDrive(unposed, mask_movers(situation, 0, 6)).find_space().empty());
   const MaskedDrive masked(situation.drive(), {});
-  EXPECT_TRUE(find_object_space({}, masked.returns, masked.scan_times_ns, [] {}).empty());
+  EXPECT_TRUE(find_object_space({}, masked.returns, [] {}).empty());
 }
 
 }  // namespace
