@@ -57,17 +57,17 @@ cv::Size estimate_spacing(const cv::Mat1f& nearest) {
 
 FreeSpace::FreeSpace(const Scan& scan, const ScanHeader& header, const Trajectory& world_from_lidar, double pose_error_m)
     : pose_error_(pose_error_m) {
-  float high = -kPi;
+  high_ = -kPi;
   low_ = kPi;
   for (const Eigen::Vector3f& p : scan.points)
     if (is_return(p)) {
       low_ = std::min(low_, compute_elevation(p));
-      high = std::max(high, compute_elevation(p));
+      high_ = std::max(high_, compute_elevation(p));
     }
-  if (low_ > high) return;
+  if (low_ > high_) return;
   place(scan, header, world_from_lidar);
   if (!valid()) return;
-  cv::Mat1f nearest(static_cast<int>(std::lround((high - low_) / kCellRad)) + 1, kColumns, kNoReturnM);
+  cv::Mat1f nearest(static_cast<int>(std::lround((high_ - low_) / kCellRad)) + 1, kColumns, kNoReturnM);
   for (const Eigen::Vector3f& p : scan.points)
     if (is_return(p)) {
       float& cell = nearest(static_cast<int>(std::lround((compute_elevation(p) - low_) / kCellRad)), find_column(p));
@@ -117,12 +117,18 @@ void FreeSpace::erode(const cv::Mat1f& nearest) {
   }
 }
 
-FreeSpace::Seen FreeSpace::judge(const Eigen::Vector3d& world, double radius_m) const {
+Eigen::Vector3f FreeSpace::to_sensor(const Eigen::Vector3d& world) const {
   const Eigen::Vector3f x = (world - sensor_).cast<float>();
-  if (x.squaredNorm() > reach_ * reach_) return Seen::unknown;
   const auto seen_from = [&](int column) -> Eigen::Vector3f { return poses_[column].R * x + poses_[column].t; };
   // The time of the ray depends on its direction and vice versa; one iteration is accurate to a millisecond.
-  const Eigen::Vector3f p = seen_from(find_column(seen_from(kColumns / 2)));
+  return seen_from(find_column(seen_from(kColumns / 2)));
+}
+
+bool FreeSpace::is_above(const Eigen::Vector3d& world) const { return valid() && compute_elevation(to_sensor(world)) > high_; }
+
+FreeSpace::Seen FreeSpace::judge(const Eigen::Vector3d& world, double radius_m) const {
+  if ((world - sensor_).cast<float>().squaredNorm() > reach_ * reach_) return Seen::unknown;
+  const Eigen::Vector3f p = to_sensor(world);
   const float range = p.norm();
   if (range > kMaxRangeM) return Seen::unknown;
   const float reach = static_cast<float>(pose_error_ + radius_m) / (range * kCellRad);

@@ -25,6 +25,9 @@ class FreeSpace {
   /// Returns the angle in radians from one ray to the next above it.
   float rise() const { return rise_; }
 
+  /// Returns whether a position in world axes lies above all rays of the scan.
+  bool is_above(const Eigen::Vector3d& world) const;
+
   enum class Seen { unknown, hidden, hit, passed };
   /// Determines whether the scan shows a small object of radius `radius_m` in world axes. `passed` means that all rays within
   /// its radius and the pose error, and the next rays above and below, ended behind it.
@@ -42,6 +45,8 @@ class FreeSpace {
     Eigen::Vector3f t;  // relative to sensor_
   };
 
+  /// Returns a position in world axes in the axes of the sensor, at the time of the rays toward it.
+  Eigen::Vector3f to_sensor(const Eigen::Vector3d& world) const;
   void place(const Scan& scan, const ScanHeader& header, const Trajectory& world_from_lidar);
   void erode(const cv::Mat1f& nearest);
 
@@ -50,6 +55,7 @@ class FreeSpace {
   float reach_ = 0;                    // meters from sensor_; points beyond it are outside kMaxRangeM during the whole scan
   std::vector<LidarFromWorld> poses_;  // one per column, at the time of its rays
   float low_ = 0;                      // elevation of row 0
+  float high_ = 0;                     // elevation of the highest ray
   float rise_ = 0;
   // The nearest return around a direction (0: not between returns), and the farthest one above and below it.
   std::array<cv::Mat1f, kWindows.size()> nearest_, farthest_;

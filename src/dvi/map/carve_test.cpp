@@ -256,6 +256,10 @@ TEST(FreeSpace, DistinguishesHitPassedAndHidden) {
   EXPECT_EQ(seen(10, 0, 4), Seen::unknown) << "above all beams";
   EXPECT_EQ(seen(0.5, 0, 0), Seen::unknown) << "too close";
   EXPECT_EQ(seen(90, 0, 0), Seen::unknown) << "too far";
+  EXPECT_TRUE(space.is_above({10, 0, 4}));
+  EXPECT_FALSE(space.is_above({10, 3, 0}));
+  EXPECT_FALSE(space.is_above({10, 3, -1.7}));
+  EXPECT_FALSE(FreeSpace().is_above({10, 0, 4})) << "without a scan";
 }
 
 TEST(Normals, PointTowardTheSensor) {

@@ -18,6 +18,7 @@
 #include "dvi/objects/image_masks.h"
 #include "dvi/objects/motion_segmentation.h"
 #include "dvi/objects/past_border.h"
+#include "dvi/objects/upper_edges.h"
 
 namespace dvi::objects {
 namespace {
@@ -97,6 +98,7 @@ class MovingObjects {
     progress_.end();
     warn_of_untrusted(evidence, segmentation.contradictory_scans, progress_);
     out.tracks = std::move(segmentation.tracks);
+    find_upper_edges(evidence, *out.returns, out.tracks);
     return out;
   }
 

@@ -80,6 +80,7 @@ Body predict_body(const Track& track, std::int64_t time_ns, const Eigen::Vector2
   if (gap_s > (use_box ? kMaxExtrapolationS : kOutline.window_s)) return body;
   if (heading) body.heading = *heading;
   const bool is_person = track.size_m.maxCoeff() > 0 && track.size_m.maxCoeff() <= kOutline.max_person_m;
+  const double top_m = top_of(cluster);
   for (std::size_t k = 0; k < cluster.points.size(); ++k) {
     Eigen::Vector3d x = cluster.points[k];
     x.head<2>() += velocity * seconds_between(cluster.time_ns[k], time_ns);
@@ -89,8 +90,8 @@ Body predict_body(const Track& track, std::int64_t time_ns, const Eigen::Vector2
     // does hair. A head ends half the ray spacing above its highest return on average, but a roof is flat. If rays are sparse,
     // the half is more than a head.
     const double top = cluster.ground[k] + track.height_m + (is_person && !body.is_sparse ? 0.5 * cluster.ray_spacing_m[k] : 0);
-    const double above =
-        is_person || x.z() > top - kOutline.window_height_m ? top : std::min(x.z() + cluster.ray_spacing_m[k], top);
+    const bool is_top = track.reaches_above_scans ? is_near_top(cluster, k, top_m) : x.z() > top - kOutline.window_height_m;
+    const double above = is_person || is_top ? top : std::min(x.z() + cluster.ray_spacing_m[k], top);
     if (above > x.z()) body.points.emplace_back(x.x(), x.y(), above);
   }
   if (use_box) add_box(track, median(cluster.ground), sensor, body);

@@ -17,6 +17,8 @@ struct TrackingParams {
   double gate_m = 1;                  ///< distance between prediction and observation, without acceleration
   double max_acceleration_mps2 = 10;  ///< hard braking
   double min_heading_speed_mps = 1;   ///< below, the heading is that of another observation
+  double top_band_m = 0.4;            ///< height of the upper edge of an object ...
+  double top_band_rays = 1.2;         ///< ... and its height in ray spacings
   double velocity_window_s = 0.5;     ///< time before and after over which a velocity is fitted
 };
 constexpr TrackingParams kTracking{};
@@ -87,6 +89,17 @@ Track::State Track::state(std::size_t observation) const {
 std::size_t Track::nearest(std::int64_t time_ns) const {
   const auto found = nearest_in_time(observations.begin(), observations.end(), time_ns, &Cluster::mean_time_ns);
   return static_cast<std::size_t>(found - observations.begin());
+}
+
+double top_of(const Cluster& cluster) {
+  double top = cluster.points.front().z();
+  for (const Eigen::Vector3d& x : cluster.points) top = std::max(top, x.z());
+  return top;
+}
+
+bool is_near_top(const Cluster& cluster, std::size_t point, double top_m) {
+  const double band_m = std::max(kTracking.top_band_m, kTracking.top_band_rays * cluster.ray_spacing_m[point]);
+  return cluster.points[point].z() >= top_m - band_m;
 }
 
 bool is_moving_object(const Track& track) {

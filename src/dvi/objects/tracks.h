@@ -13,6 +13,7 @@ struct Track {
   std::vector<Cluster> observations;  ///< at most one per scan, in order of time
   double height_m = 0;                ///< height above the ground
   Eigen::Vector2d size_m{0, 0};       ///< size along and across its heading; 0 if unknown
+  bool reaches_above_scans = false;   ///< its upper edge is above the highest returns, which images show
 
   /// Position in meters and velocity in m/s, world axes.
   struct State {
@@ -28,6 +29,12 @@ struct Track {
   /// Returns the observation nearest to a time. There must be at least one.
   std::size_t nearest(std::int64_t time_ns) const;
 };
+
+/// Returns the height of the highest point of an observation, world axes. There must be at least one.
+double top_of(const Cluster& cluster);
+
+/// Returns whether a point of an observation is near its highest point, whose height is `top_m`.
+bool is_near_top(const Cluster& cluster, std::size_t point, double top_m);
 
 inline constexpr double kMaxExtrapolationS = 1;  ///< time for which the motion of an unobserved object is extrapolated
 

@@ -62,9 +62,12 @@ ObjectColumns fill_columns(const Track& track, std::int64_t time_ns) {
   const Cluster& cluster = track.observations[nearest];
   if (std::abs(seconds_between(cluster.mean_time_ns, time_ns)) > kColumns.max_track_gap_s) return out;
   const Eigen::Vector2d velocity = track.velocity(nearest);
+  const double top_m = top_of(cluster);
   for (std::size_t k = 0; k < cluster.points.size(); ++k) {
     Eigen::Vector3d point = cluster.points[k];
     point.head<2>() += velocity * seconds_between(cluster.time_ns[k], time_ns);
+    if (track.reaches_above_scans && is_near_top(cluster, k, top_m))
+      point.z() = std::max(point.z(), cluster.ground[k] + track.height_m);
     out.add(point, 0.5 * std::min(cluster.ray_spacing_m[k], kObjectVoxelM));
   }
   return out;
