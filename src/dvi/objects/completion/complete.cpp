@@ -107,7 +107,11 @@ CompletedObjects::CompletedObjects(const CompletionInput& input, const Tick& tic
   std::vector<OccupiedVoxel> voxels = find_object_space(input.cameras, input.returns, tick);
   std::vector<Track> tracks = find_removed_tracks(input);
   const Identities identities = identify(own, {voxels, tracks, input.returns});
-  for (std::size_t i = 0; i < voxels.size(); ++i) objects_[identities.of_voxel[i]].voxels.push_back(std::move(voxels[i]));
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    CompletedObject& object = objects_[identities.of_voxel[i]];
+    object.extent.extend(voxels[i].center());
+    object.voxels.push_back(std::move(voxels[i]));
+  }
   for (std::size_t k = 0; k < tracks.size(); ++k) objects_[identities.of_track[k]].tracks.push_back(std::move(tracks[k]));
   for (LabeledBoxes& boxes : LabeledBoxes::collect(own.camera.drive, *own.labels, own.camera.world_from_lidar))
     objects_[boxes.track()].boxes = std::move(boxes);
@@ -122,6 +126,7 @@ class CompletedObjects::FrameDrawing {
         time_ns_(drive_.frames[frame].time_ns),
         lidar_from_world_(world_from_lidar.inverse()),
         camera_from_world_(drive_.camera_from_lidar * lidar_from_world_),
+        camera_in_world_(camera_from_world_.inverse().t),
         scan_(objects.returns_.find_scan(time_ns_)) {
     if (scan_) space_ = objects.returns_.free_space(*scan_);
   }
@@ -129,7 +134,7 @@ class CompletedObjects::FrameDrawing {
   // Draws an object where `mask` lacks it into `completed`, and where the mask shows it into `shown`.
   void draw(int number, const CompletedObject& object, const cv::Mat1b& mask, std::vector<Label>& completed,
             std::vector<Label>& shown) const {
-    const ObjectColumns occupied = fill_columns(object.voxels);
+    const ObjectColumns occupied = fill_columns(object);
     std::vector<ObjectColumns> moving;
     for (const Track& track : object.tracks)
       if (ObjectColumns columns = objects::fill_columns(track, time_ns_); !columns.empty())
@@ -183,10 +188,10 @@ class CompletedObjects::FrameDrawing {
   // Returns whether an object at a position covers more than a few pixels.
   bool is_in_range(const Eigen::Vector3d& world) const { return (camera_from_world_ * world).norm() < kCompletion.max_range_m; }
 
-  ObjectColumns fill_columns(const std::vector<OccupiedVoxel>& voxels) const {
+  ObjectColumns fill_columns(const CompletedObject& object) const {
     ObjectColumns columns;
-    if (voxels.empty() || !is_in_range(voxels.front().center())) return columns;
-    for (const OccupiedVoxel& voxel : voxels)
+    if (object.voxels.empty() || object.extent.exteriorDistance(camera_in_world_) >= kCompletion.max_range_m) return columns;
+    for (const OccupiedVoxel& voxel : object.voxels)
       if (is_visible(voxel)) columns.add(voxel.center(), 0.5 * kObjectVoxelM);
     return columns;
   }
@@ -208,6 +213,7 @@ class CompletedObjects::FrameDrawing {
   const Drive& drive_;
   std::int64_t time_ns_;
   SE3 lidar_from_world_, camera_from_world_;
+  Eigen::Vector3d camera_in_world_;
   std::optional<std::size_t> scan_;  // taken with the frame
   std::shared_ptr<const FreeSpace> space_;
 };

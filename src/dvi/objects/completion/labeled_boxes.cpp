@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "dvi/objects/motion.h"
@@ -35,15 +36,26 @@ Box interpolate(const Box& a, const Box& b, double share) {
 
 }  // namespace
 
+std::map<int, std::size_t> find_repeated_tracks(const FrameLabels& labels) {
+  std::map<int, std::size_t> repeated;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    std::set<int> tracks;
+    for (const Label& label : labels[i])
+      if (label.track >= 0 && label.box && !tracks.insert(label.track).second) repeated.try_emplace(label.track, i);
+  }
+  return repeated;
+}
+
 std::vector<LabeledBoxes> LabeledBoxes::collect(const Drive& drive, const FrameLabels& labels,
                                                 const Trajectory& world_from_lidar) {
+  const std::map<int, std::size_t> repeated = find_repeated_tracks(labels);
   std::map<int, LabeledBoxes> tracks;
   for (std::size_t i = 0; i < drive.frames.size(); ++i) {
     const std::int64_t time_ns = drive.frames[i].time_ns;
     const std::optional<SE3> pose = world_from_lidar.at(time_ns);
     if (!pose) continue;
     for (const Label& label : labels[i]) {
-      if (label.track < 0 || !label.box) continue;
+      if (label.track < 0 || !label.box || repeated.contains(label.track)) continue;
       LabeledBoxes& track = tracks[label.track];
       track.track_ = label.track;
       track.type_ = label.type;
@@ -51,7 +63,7 @@ std::vector<LabeledBoxes> LabeledBoxes::collect(const Drive& drive, const FrameL
     }
   }
   for (const TrackMotion& motion : measure_track_motions(drive, labels, world_from_lidar))
-    tracks[motion.track].moves_ = motion.moves;
+    if (const auto track = tracks.find(motion.track); track != tracks.end()) track->second.moves_ = motion.moves;
   std::vector<LabeledBoxes> out;
   for (auto& [number, track] : tracks)
     if (track.boxes_.size() >= kLabeledBox.min_boxes) out.push_back(std::move(track));

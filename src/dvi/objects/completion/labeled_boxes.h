@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,10 +12,15 @@
 
 namespace dvi::objects {
 
+/// Finds the track numbers that several 3D boxes in one frame have, and the index of the first such frame. Labels are wrong
+/// there: these boxes are not those of one object.
+std::map<int, std::size_t> find_repeated_tracks(const FrameLabels& labels);
+
 /// A labeled object with 3D boxes in several frames, from which its box in other frames follows.
 class LabeledBoxes {
  public:
-  /// Collects the boxes of all tracks that have boxes in at least two frames with a pose, in order of track numbers.
+  /// Collects the boxes of all tracks that have boxes in at least two frames with a pose, in order of track numbers. Leaves out
+  /// those of find_repeated_tracks().
   static std::vector<LabeledBoxes> collect(const Drive& drive, const FrameLabels& labels, const Trajectory& world_from_lidar);
 
   int track() const { return track_; }
