@@ -81,13 +81,18 @@ int to_pixels(double meters, double depth_m, const Camera& camera) {
   return cvRound(meters * camera.fx / std::max(depth_m, 1.0));
 }
 
+// Enlarges a rectangle on all sides, within an image.
+cv::Rect enlarge(const cv::Rect& rect, int border_px, cv::Size image) {
+  if (rect.empty()) return rect;
+  return cv::Rect(rect.x - border_px, rect.y - border_px, rect.width + 2 * border_px, rect.height + 2 * border_px) &
+         cv::Rect({}, image);
+}
+
 // Returns the part of an object that a mask lacks, without the deviations at the border of the mask.
 cv::Mat1b find_uncovered(const cv::Mat1b& object, const cv::Mat1b& mask, int border_px) {
   cv::Mat1b out(object.size(), uchar{0});
-  cv::Rect box = cv::boundingRect(object);
+  const cv::Rect box = enlarge(cv::boundingRect(object), border_px, object.size());
   if (box.empty()) return out;
-  box = cv::Rect(box.x - border_px, box.y - border_px, box.width + 2 * border_px, box.height + 2 * border_px) &
-        cv::Rect({}, object.size());
   const cv::Mat1b drawn = object(box), masked = mask(box), lacking(drawn & ~masked);
   const cv::Mat1b core = grown_far(lacking, -border_px);
   // A small object that the mask lacks completely has no core.
@@ -206,7 +211,11 @@ class CompletedObjects::FrameDrawing {
   cv::Mat1b draw_box(const Box& world) const {
     Label label;
     label.box = Box{lidar_from_world_ * world.frame_from_box, world.size};
-    return grown(draw_label(label, drive_.camera, drive_.camera_from_lidar, all_.options_), all_.options_.label_dilation_px());
+    cv::Mat1b mask = draw_label(label, drive_.camera, drive_.camera_from_lidar, all_.options_);
+    const int dilation_px = all_.options_.label_dilation_px();
+    const cv::Rect drawn = enlarge(cv::boundingRect(mask), dilation_px, mask.size());
+    if (!drawn.empty()) grown(mask(drawn), dilation_px).copyTo(mask(drawn));
+    return mask;
   }
 
   const CompletedObjects& all_;
