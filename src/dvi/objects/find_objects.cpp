@@ -201,10 +201,11 @@ void warn_of_repeated_tracks(const CameraMaskEvidence& own, Progress& progress) 
   const std::map<int, std::size_t> repeated = find_repeated_tracks(*own.labels);
   if (repeated.empty()) return;
   const auto [track, frame] = *repeated.begin();
-  progress.warn(fmt::format(
-      "{}: {} of the labeled tracks have several 3D boxes in one frame, such as track {} in frame {}, so their boxes do not show "
-      "where the objects are in other frames; give each object a track number of its own",
-      own.camera.name, repeated.size(), track, own.camera.drive.frames[frame].number));
+  progress.warn(
+      fmt::format("{}: {} of the labeled tracks have several 3D boxes in one frame, such as track {} in frame {}, so their "
+                  "boxes do not show "
+                  "where the objects are in other frames; give each object a track number of its own",
+                  own.camera.name, repeated.size(), track, own.camera.drive.frames[frame].number));
 }
 
 // Completes the objects of the drive whose own camera is `own` in all of its cameras.

@@ -25,9 +25,9 @@ using testing::IsEmpty;
 // Two parked cars, one behind the other, and a sensor that approaches them.
 struct ParkedCars {
   static constexpr int kFrames = 16;
-  Situation situation{.scans = kFrames, .sensor_x = [](int scan) { return 0.3 * scan; }, .movers = [](int) {
-                        return std::vector<Cuboid>{second()};
-                      }};
+  Situation situation{.scans = kFrames,
+                      .sensor_x = [](int scan) { return 0.3 * scan; },
+                      .movers = [](int) { return std::vector<Cuboid>{second()}; }};
   Drive drive = situation.drive();
 
   static Cuboid first() { return Situation::parked(); }

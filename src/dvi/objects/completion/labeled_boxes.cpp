@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "dvi/core/median.h"
 #include "dvi/objects/motion.h"
 #include "dvi/objects/seconds.h"
 
@@ -15,13 +16,15 @@ namespace dvi::objects {
 namespace {
 
 struct LabeledBoxParams {
-  std::size_t min_boxes = 2;      ///< frames that confirm an object
-  double max_gap_s = 1;           ///< between the boxes of a moving object
-  double inner_share = 0.8;       ///< of a box, which its object fills
-  double judged_radius_m = 0.05;  ///< radius around a point that a scan must pass
-  double min_passed_share = 0.5;  ///< of the judged points in the box of an absent object; rays pass windows
-  double min_hidden_share = 0.8;  ///< of the points in front of a hidden object
-  double clearance_m = 0.5;       ///< distance of these points from the box
+  std::size_t min_boxes = 2;       ///< frames that confirm an object
+  double max_gap_s = 1;            ///< between the boxes of a moving object
+  double inner_share = 0.8;        ///< of a box, which its object fills
+  double judged_radius_m = 0.05;   ///< radius around a point that a scan must pass
+  double min_passed_share = 0.5;   ///< of the judged points in the box of an absent object; rays pass windows
+  double min_hidden_share = 0.8;   ///< of the points in front of a hidden object
+  double clearance_m = 0.5;        ///< distance of these points from the box
+  std::size_t min_stationary = 4;  ///< boxes of an object that stays in place ...
+  double max_spread_m = 1.5;       ///< ... and the diagonal of the box of their positions
 };
 constexpr LabeledBoxParams kLabeledBox;
 
@@ -81,6 +84,26 @@ std::optional<Box> LabeledBoxes::at(std::int64_t time_ns) const {
   if (!moves_) return (since_s < 0.5 * gap_s ? before : after)->world;
   if (gap_s > kLabeledBox.max_gap_s) return std::nullopt;
   return interpolate(before->world, after->world, since_s / gap_s);
+}
+
+std::optional<Box> LabeledBoxes::find_stationary_box() const {
+  if (moves_ || boxes_.size() < kLabeledBox.min_stationary) return std::nullopt;
+  Eigen::AlignedBox3d positions;
+  for (const StampedBox& box : boxes_) positions.extend(box.world.frame_from_box.t);
+  if (positions.diagonal().norm() > kLabeledBox.max_spread_m) return std::nullopt;
+  Eigen::Vector3d position, size;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> coordinates, lengths;
+    for (const StampedBox& box : boxes_) {
+      coordinates.push_back(box.world.frame_from_box.t[axis]);
+      lengths.push_back(box.world.size[axis]);
+    }
+    position[axis] = median(std::move(coordinates)), size[axis] = median(std::move(lengths));
+  }
+  const auto middle = std::min_element(boxes_.begin(), boxes_.end(), [&](const StampedBox& a, const StampedBox& b) {
+    return (a.world.frame_from_box.t - position).norm() < (b.world.frame_from_box.t - position).norm();
+  });
+  return Box{{middle->world.frame_from_box.R, position}, size};
 }
 
 bool is_absent_or_hidden(const Box& world, const FreeSpace& scan) {

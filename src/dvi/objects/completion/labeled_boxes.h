@@ -31,6 +31,10 @@ class LabeledBoxes {
   /// interpolation of the boxes before and after if they are at most a second apart, else nothing.
   std::optional<Box> at(std::int64_t time_ns) const;
 
+  /// Returns the box in world axes of an object that stays in place, with the median of its positions and sizes. Returns
+  /// nothing if the object moves, if it has fewer than four boxes, or if their positions spread over more than 1.5 m.
+  std::optional<Box> find_stationary_box() const;
+
  private:
   struct StampedBox {
     std::int64_t time_ns;
