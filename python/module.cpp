@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/commands/check.h"
+#include "dvi/commands/evaluate_result.h"
 #include "dvi/commands/make_masks.h"
 #include "dvi/core/error.h"
 #include "dvi/core/json_text.h"
@@ -154,9 +155,10 @@ void bind_commands(py::module_& m) {
           return run_task(threads, progress, [&](Progress& p) { return dvi::commands::make_masks(job, p); });
         });
   m.def("evaluate", [](const std::string& out, const std::string& truth, const std::string& ignore, const std::string& masks,
-                       const Strings& external, int threads, const py::object& progress) {
+                       const std::string& labels, const Strings& external, int threads, const py::object& progress) {
     const metrics::EvaluationFolders folders{out, truth, ignore, metrics::parse_external(external), masks};
-    return run_task(threads, progress, [&](Progress& p) { return json_text(metrics::evaluate(folders, p.parts())); });
+    return run_task(threads, progress,
+                    [&](Progress& p) { return json_text(dvi::commands::evaluate_result(folders, labels, p)); });
   });
   m.def("export", [](const std::string& format, const std::string& out, const std::string& folder, const py::dict& options,
                      int threads, const py::object& progress) {

@@ -204,15 +204,15 @@ def masks(dataset: Source, *, out: "str | os.PathLike | None" = None, threads: i
         return Masks(None if out is None else folder, report)
 
 
-def eval(out: "str | os.PathLike", truth: "str | os.PathLike", *, ignore: "str | os.PathLike | None" = None,
-         masks: "str | os.PathLike | None" = None, external: Mapping[str, "str | os.PathLike"] = {}, threads: int = 0,
-         progress: Progress = None) -> dict:
-    """Scores a result against the truth: what `dvi eval --json` prints. truth: folder of NAME.png; ignore: of masks not to score;
-    masks: of masks to score instead of the masks of the result; external: folders of other programs' frames, by the name of the
-    program."""
+def eval(out: "str | os.PathLike", truth: "str | os.PathLike | None" = None, *, ignore: "str | os.PathLike | None" = None,
+         masks: "str | os.PathLike | None" = None, labels: "str | os.PathLike | None" = None,
+         external: Mapping[str, "str | os.PathLike"] = {}, threads: int = 0, progress: Progress = None) -> dict:
+    """Scores a result: what `dvi eval --json` prints. truth: folder of NAME.png; None: only artifacts and ghosts are counted;
+    ignore: of masks not to score; masks: of masks to score instead of the masks of the result; labels: file of labels with 3D boxes
+    and tracks, for ghosts; external: folders of other programs' frames, by the name of the program."""
     others = [f"{name}={os.fspath(folder)}" for name, folder in external.items()]
-    ignored, scored = ("" if folder is None else os.fspath(folder) for folder in (ignore, masks))
-    return json.loads(_dvi.evaluate(os.fspath(out), os.fspath(truth), ignored, scored, others, threads, progress))
+    paths = ("" if path is None else os.fspath(path) for path in (truth, ignore, masks, labels))
+    return json.loads(_dvi.evaluate(os.fspath(out), *paths, others, threads, progress))
 
 
 def export(format: str, out: "str | os.PathLike", folder: "str | os.PathLike", *, threads: int = 0, progress: Progress = None,

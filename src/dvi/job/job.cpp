@@ -41,6 +41,12 @@ void Options::check() const {
                                  *map.min_range_m));
 }
 
+objects::RemovalOptions Job::removal() const {
+  objects::RemovalOptions removal{read.remove, options.masks, options.objects, options.map.pose_error_m};
+  removal.objects.complete = options.objects.complete && !is_baseline(method);
+  return removal;
+}
+
 OptionTable Job::table() {
   OptionTable table;
   table.section("job");

@@ -75,7 +75,8 @@ struct Job {
   /// Returns the table of all options, [job] included. It refers to this job.
   OptionTable table();
 
-  objects::RemovalOptions removal() const { return {read.remove, options.masks, options.objects, options.map.pose_error_m}; }
+  /// Returns how objects are removed. Baselines use masks as given.
+  objects::RemovalOptions removal() const;
 };
 
 /// Sets the options in which a method differs from the default.

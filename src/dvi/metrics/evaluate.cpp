@@ -53,6 +53,7 @@ std::vector<std::string> check_folders(const EvaluationFolders& folders) {
                        "give the folder that `dvi run` wrote");
   const std::vector<std::string> names = list_names(folders.out / "frames");
   if (names.empty()) throw InputError(folders.out / "frames", "has no frames", "give the folder that `dvi run` wrote");
+  if (folders.truth.empty()) return names;
   const std::vector<std::string> truths = list_names(folders.truth);
   if (truths.empty()) throw InputError(folders.truth, "has no PNG files", "give the folder of the true frames, NAME.png");
   if (!folders.ignore.empty() && subtract(names, list_names(folders.ignore)).size() == names.size())
@@ -195,7 +196,15 @@ std::vector<ExternalFrames> parse_external(const std::vector<std::string>& argum
 }
 
 Evaluation evaluate(const EvaluationFolders& folders, const BeginPart& begin) {
+  if (folders.truth.empty() && !(folders.ignore.empty() && folders.masks.empty() && folders.external.empty()))
+    throw UsageError("--ignore, --masks, and --external select what is compared with the truth: give --truth DIR");
   const std::vector<std::string> names = check_folders(folders);
+  if (folders.truth.empty()) {
+    Evaluation evaluation;
+    evaluation.has_truth = false;
+    evaluation.artifacts = count_artifacts(folders.out, names, begin("eval", names.size()));
+    return evaluation;
+  }
   const Tick tick = begin("eval", names.size() * (1 + folders.external.size()));
   Evaluation evaluation = score(folders, nullptr, names, tick);
   for (const ExternalFrames& external : folders.external)

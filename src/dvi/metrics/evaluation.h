@@ -10,6 +10,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "dvi/metrics/artifacts.h"
+#include "dvi/metrics/ghosts.h"
 
 namespace dvi::metrics {
 
@@ -72,6 +73,7 @@ struct FrameEvaluation {
 struct ExternalEvaluation;
 
 struct Evaluation {
+  bool has_truth = true;  ///< false: only the artifacts and ghosts are known
   ByOrigin total;
   std::array<std::optional<Intervals>, kOrigins.size()> intervals;  ///< nothing if fewer than two frames have such pixels
   Figures whole_frame;  ///< of whole scored frames, whose other pixels count as exact; MAE to SSIM only
@@ -80,6 +82,8 @@ struct Evaluation {
   std::vector<std::string> unscored;                                   ///< frames without scored pixels
   std::vector<std::string> warnings;
   Artifacts artifacts;
+  std::optional<Ghosts> ghosts;
+  std::string ghosts_left_out;  ///< the reason why ghosts are unknown; empty if it was not asked for them
   std::vector<ExternalEvaluation> external;
 };
 
@@ -95,6 +99,7 @@ std::string format_table(const Evaluation& evaluation);
 
 /// Convert to JSON; undefined values are null.
 void to_json(nlohmann::json& json, const Artifacts& artifacts);
+void to_json(nlohmann::json& json, const Ghosts& ghosts);
 void to_json(nlohmann::json& json, const Evaluation& evaluation);
 
 }  // namespace dvi::metrics

@@ -61,17 +61,52 @@ void to_json(nlohmann::json& json, const Artifacts& a) {
           {"flashes", a.flashes},       {"ring_flashes", a.ring_flashes},       {"overshoots", a.overshoots}};
 }
 
+static void to_json(nlohmann::json& json, const GhostCounts& counts) {
+  json = {{"copied", counts.copied},
+          {"ghosts", counts.ghosts},
+          {"in_map", counts.in_map},
+          {"ghost_share", counts.ghost_share()},
+          {"in_map_share", counts.in_map_share()}};
+}
+
+static void to_json(nlohmann::json& json, const GhostFrame& frame) {
+  json = frame.counts;
+  json["name"] = frame.name;
+}
+
+static void to_json(nlohmann::json& json, const GhostTrack& track) {
+  json = {{"track", track.track},
+          {"class", track.type},
+          {"removed", track.removed},
+          {"refilled", track.refilled},
+          {"refilled_share", track.refilled_share()}};
+}
+
+void to_json(nlohmann::json& json, const Ghosts& ghosts) {
+  json = ghosts.total;
+  json["not_judged"] = ghosts.unjudged;
+  json["stationary_tracks"] = ghosts.tracks.size();
+  json["tracks"] = ghosts.tracks;
+  json["per_frame"] = ghosts.frames;
+  json["worst_frames"] = ghosts.find_worst_frames();
+}
+
 void to_json(nlohmann::json& json, const Evaluation& evaluation) {
-  json = evaluation.total;
-  for (const Origin origin : kOrigins)
-    json[name(origin)]["interval"] = to_document(evaluation.intervals[static_cast<std::size_t>(origin)]);
-  json["whole_frame"] = to_whole_frame_json(evaluation.whole_frame);
-  json["confidence"] = to_confidence_json(evaluation);
+  json = nlohmann::json::object();
+  if (evaluation.has_truth) {
+    json = evaluation.total;
+    for (const Origin origin : kOrigins)
+      json[name(origin)]["interval"] = to_document(evaluation.intervals[static_cast<std::size_t>(origin)]);
+    json["whole_frame"] = to_whole_frame_json(evaluation.whole_frame);
+    json["confidence"] = to_confidence_json(evaluation);
+    json["per_frame"] = evaluation.frames;
+    json["unscored"] = evaluation.unscored;
+  }
   json["version"] = 1;
-  json["per_frame"] = evaluation.frames;
-  json["unscored"] = evaluation.unscored;
   json["warnings"] = evaluation.warnings;
   json["artifacts"] = evaluation.artifacts;
+  json["ghosts"] = evaluation.ghosts ? nlohmann::json(*evaluation.ghosts) : nlohmann::json();
+  json["ghosts_left_out"] = evaluation.ghosts_left_out.empty() ? nlohmann::json() : nlohmann::json(evaluation.ghosts_left_out);
   json["external"] = nlohmann::json::object();
   for (const ExternalEvaluation& external : evaluation.external) json["external"][external.name] = external.evaluation;
 }

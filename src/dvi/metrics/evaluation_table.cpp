@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -40,6 +42,45 @@ std::string format_confidence(const Calibration& confidence) {
       confidence.mean, confidence.within, Calibration::kMaxDifference, confidence.ece, format_number(confidence.ause, 3));
 }
 
+// Formats the scores against the truth.
+std::string format_scores(const Evaluation& evaluation) {
+  std::string text = format_rows(evaluation);
+  text += fmt::format("{} frames, {} pixels scored\n", evaluation.frames.size(), evaluation.total[Origin::all].pixels);
+  if (!evaluation.unscored.empty())
+    text += fmt::format("frames without scored pixels: {}\n", fmt::join(evaluation.unscored, " "));
+  if (const auto& confidence = evaluation.confidence.front()) text += format_confidence(*confidence);
+  return text;
+}
+
+std::string format_percent(double share) { return fmt::format("{:.2f} %", 100 * share); }
+
+// Formats the tracks that are refilled most.
+std::string format_tracks(std::vector<GhostTrack> tracks) {
+  constexpr std::size_t kMaxRows = 10;
+  std::erase_if(tracks, [](const GhostTrack& track) { return track.refilled == 0; });
+  if (tracks.empty()) return {};
+  std::stable_sort(tracks.begin(), tracks.end(),
+                   [](const GhostTrack& a, const GhostTrack& b) { return a.refilled > b.refilled; });
+  tracks.resize(std::min(tracks.size(), kMaxRows));
+  std::string text = fmt::format("  {:>7}  {:<12}{:>12}{:>23}\n", "track", "class", "removed px", "refilled by objects");
+  for (const GhostTrack& track : tracks)
+    text += fmt::format("  {:>7}  {:<12}{:>12}{:>23}\n", track.track, track.type, track.removed,
+                        format_percent(track.refilled_share()));
+  return text;
+}
+
+std::string format_ghosts(const Ghosts& ghosts) {
+  std::string text = fmt::format("ghosts: {} of {} copied pixels show one of {} stationary labeled objects; {} lie in one\n",
+                                 format_percent(ghosts.total.ghost_share()), ghosts.total.copied, ghosts.tracks.size(),
+                                 format_percent(ghosts.total.in_map_share()));
+  if (ghosts.unjudged > 0)
+    text += fmt::format("  {} further copied pixels are from other drives, or from frames without a pose\n", ghosts.unjudged);
+  const std::vector<GhostFrame> worst = ghosts.find_worst_frames();
+  for (std::size_t i = 0; i < worst.size(); ++i)
+    text += fmt::format("{}{} ({} px)", i == 0 ? "  most in the frames " : ", ", worst[i].name, worst[i].counts.ghosts);
+  return text + (worst.empty() ? "" : "\n") + format_tracks(ghosts.tracks);
+}
+
 }  // namespace
 
 const char* name(Origin origin) {
@@ -59,15 +100,14 @@ const char* name(Origin origin) {
 }
 
 std::string format_table(const Evaluation& evaluation) {
-  std::string text = format_rows(evaluation);
-  text += fmt::format("{} frames, {} pixels scored\n", evaluation.frames.size(), evaluation.total[Origin::all].pixels);
-  if (!evaluation.unscored.empty())
-    text += fmt::format("frames without scored pixels: {}\n", fmt::join(evaluation.unscored, " "));
-  if (const auto& confidence = evaluation.confidence.front()) text += format_confidence(*confidence);
+  std::string text = evaluation.has_truth ? format_scores(evaluation) : "";
   text += fmt::format("per million hole pixels: {:.0f} flash (in the scene around the holes: {:.0f}), {:.0f} overshoot\n",
                       evaluation.artifacts.flash_ppm(), evaluation.artifacts.ring_flash_ppm(),
                       evaluation.artifacts.overshoot_ppm());
-  text += "\n" + format_row("whole frame", "", evaluation.whole_frame) + "   (unchanged pixels count as exact)\n";
+  if (evaluation.ghosts) text += format_ghosts(*evaluation.ghosts);
+  if (!evaluation.ghosts_left_out.empty()) text += "ghosts: not known, because " + evaluation.ghosts_left_out + "\n";
+  if (evaluation.has_truth)
+    text += "\n" + format_row("whole frame", "", evaluation.whole_frame) + "   (unchanged pixels count as exact)\n";
   for (const ExternalEvaluation& external : evaluation.external)
     text += "\n" + external.name + "\n" + format_table(external.evaluation);
   return text;

@@ -180,6 +180,36 @@ CameraMaskEvidence collect_mask_evidence(const CameraEvidence& camera, const Sha
           are_removed ? labels : shared(FrameLabels(labels->size()))};
 }
 
+bool removes_anything(const CameraMaskEvidence& camera) {
+  for (std::size_t i = 0; i < camera.removed.size(); ++i)
+    if (cv::countNonZero(*camera.removed[i]) > 0) return true;
+  return false;
+}
+
+// Warns that the objects of a drive cannot be completed, if there are any.
+void warn_of_incomplete(const CameraEvidence& own, const std::vector<CameraMaskEvidence>& cameras, Progress& progress) {
+  if (std::none_of(cameras.begin(), cameras.end(), removes_anything)) return;
+  const bool is_posed = !own.world_from_lidar.empty(), has_scans = !own.drive.scan_headers.empty();
+  progress.warn(fmt::format(
+      "{}: without {}, an object is not removed from frames and cameras whose masks lack it; {}", own.name,
+      is_posed    ? "scans"
+      : has_scans ? "poses"
+                  : "poses and scans",
+      has_scans ? "give --poses FILE, or masks of all objects in every frame" : "give masks of all objects in every frame"));
+}
+
+// Warns of labels that do not show the motion of their objects.
+void warn_of_repeated_tracks(const CameraMaskEvidence& own, Progress& progress) {
+  const std::map<int, std::size_t> repeated = find_repeated_tracks(*own.labels);
+  if (repeated.empty()) return;
+  const auto [track, frame] = *repeated.begin();
+  progress.warn(
+      fmt::format("{}: {} of the labeled tracks have several 3D boxes in one frame, such as track {} in frame {}, so their "
+                  "boxes do not show "
+                  "where the objects are in other frames; give each object a track number of its own",
+                  own.camera.name, repeated.size(), track, own.camera.drive.frames[frame].number));
+}
+
 // Completes the objects of the drive whose own camera is `own` in all of its cameras.
 void complete_drive(const Evidence& evidence, std::size_t own, const RemovalOptions& options, MovingObjects& moving,
                     Progress& progress, Objects& objects) {
@@ -190,7 +220,12 @@ void complete_drive(const Evidence& evidence, std::size_t own, const RemovalOpti
     cameras.push_back(collect_mask_evidence(evidence[i], objects[i].labels, options));
     objects_of.push_back(&objects[i]);
   }
-  if (cameras.empty() || !evidence.ground(own)) return;
+  if (cameras.empty()) return;
+  if (!evidence.ground(own)) {
+    warn_of_incomplete(evidence[own], cameras, progress);
+    return;
+  }
+  warn_of_repeated_tracks(cameras.front(), progress);
   const DriveMotion& motion = moving.of_drive(own);
   progress.begin("complete", motion.returns->scans());
   const CompletedObjects completed({cameras, *motion.returns, *motion.ground, motion.tracks, options.masks}, progress.tick());

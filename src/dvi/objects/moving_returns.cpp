@@ -106,6 +106,11 @@ bool MovingReturns::can_observe(std::size_t scan, const Eigen::Vector2d& positio
   return is_trusted(scan) && (sensors_[scan] - position).norm() < kVoting.max_sensor_distance_m;
 }
 
+Eigen::AlignedBox2d MovingReturns::observable_area(std::size_t scan) const {
+  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(kVoting.max_sensor_distance_m);
+  return {sensors_[scan] - reach, sensors_[scan] + reach};
+}
+
 std::shared_ptr<const ObstacleReturns> MovingReturns::obstacles(std::size_t scan) const {
   return is_trusted(scan) ? obstacles_[scan] : std::make_shared<const ObstacleReturns>();
 }

@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "dvi/drive/drive.h"
 #include "dvi/drive/free_space.h"
 #include "dvi/ground/scan_ground.h"
@@ -61,6 +63,8 @@ class MovingReturns {
   void distrust(std::size_t scan) { untrusted_[scan] = true; }
   /// Returns whether a scan is usable and was taken close enough to a position (world axes) to observe it.
   bool can_observe(std::size_t scan, const Eigen::Vector2d& position) const;
+  /// Returns a rectangle (world axes) that contains all positions for which can_observe() is true.
+  Eigen::AlignedBox2d observable_area(std::size_t scan) const;
 
  private:
   ObstacleReturns extract_obstacles(std::size_t scan) const;

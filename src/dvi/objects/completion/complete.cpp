@@ -81,13 +81,18 @@ int to_pixels(double meters, double depth_m, const Camera& camera) {
   return cvRound(meters * camera.fx / std::max(depth_m, 1.0));
 }
 
+// Enlarges a rectangle on all sides, within an image.
+cv::Rect enlarge(const cv::Rect& rect, int border_px, cv::Size image) {
+  if (rect.empty()) return rect;
+  return cv::Rect(rect.x - border_px, rect.y - border_px, rect.width + 2 * border_px, rect.height + 2 * border_px) &
+         cv::Rect({}, image);
+}
+
 // Returns the part of an object that a mask lacks, without the deviations at the border of the mask.
 cv::Mat1b find_uncovered(const cv::Mat1b& object, const cv::Mat1b& mask, int border_px) {
   cv::Mat1b out(object.size(), uchar{0});
-  cv::Rect box = cv::boundingRect(object);
+  const cv::Rect box = enlarge(cv::boundingRect(object), border_px, object.size());
   if (box.empty()) return out;
-  box = cv::Rect(box.x - border_px, box.y - border_px, box.width + 2 * border_px, box.height + 2 * border_px) &
-        cv::Rect({}, object.size());
   const cv::Mat1b drawn = object(box), masked = mask(box), lacking(drawn & ~masked);
   const cv::Mat1b core = grown_far(lacking, -border_px);
   // A small object that the mask lacks completely has no core.
@@ -107,7 +112,11 @@ CompletedObjects::CompletedObjects(const CompletionInput& input, const Tick& tic
   std::vector<OccupiedVoxel> voxels = find_object_space(input.cameras, input.returns, tick);
   std::vector<Track> tracks = find_removed_tracks(input);
   const Identities identities = identify(own, {voxels, tracks, input.returns});
-  for (std::size_t i = 0; i < voxels.size(); ++i) objects_[identities.of_voxel[i]].voxels.push_back(std::move(voxels[i]));
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    CompletedObject& object = objects_[identities.of_voxel[i]];
+    object.extent.extend(voxels[i].center());
+    object.voxels.push_back(std::move(voxels[i]));
+  }
   for (std::size_t k = 0; k < tracks.size(); ++k) objects_[identities.of_track[k]].tracks.push_back(std::move(tracks[k]));
   for (LabeledBoxes& boxes : LabeledBoxes::collect(own.camera.drive, *own.labels, own.camera.world_from_lidar))
     objects_[boxes.track()].boxes = std::move(boxes);
@@ -122,6 +131,7 @@ class CompletedObjects::FrameDrawing {
         time_ns_(drive_.frames[frame].time_ns),
         lidar_from_world_(world_from_lidar.inverse()),
         camera_from_world_(drive_.camera_from_lidar * lidar_from_world_),
+        camera_in_world_(camera_from_world_.inverse().t),
         scan_(objects.returns_.find_scan(time_ns_)) {
     if (scan_) space_ = objects.returns_.free_space(*scan_);
   }
@@ -129,7 +139,7 @@ class CompletedObjects::FrameDrawing {
   // Draws an object where `mask` lacks it into `completed`, and where the mask shows it into `shown`.
   void draw(int number, const CompletedObject& object, const cv::Mat1b& mask, std::vector<Label>& completed,
             std::vector<Label>& shown) const {
-    const ObjectColumns occupied = fill_columns(object.voxels);
+    const ObjectColumns occupied = fill_columns(object);
     std::vector<ObjectColumns> moving;
     for (const Track& track : object.tracks)
       if (ObjectColumns columns = objects::fill_columns(track, time_ns_); !columns.empty())
@@ -183,10 +193,10 @@ class CompletedObjects::FrameDrawing {
   // Returns whether an object at a position covers more than a few pixels.
   bool is_in_range(const Eigen::Vector3d& world) const { return (camera_from_world_ * world).norm() < kCompletion.max_range_m; }
 
-  ObjectColumns fill_columns(const std::vector<OccupiedVoxel>& voxels) const {
+  ObjectColumns fill_columns(const CompletedObject& object) const {
     ObjectColumns columns;
-    if (voxels.empty() || !is_in_range(voxels.front().center())) return columns;
-    for (const OccupiedVoxel& voxel : voxels)
+    if (object.voxels.empty() || object.extent.exteriorDistance(camera_in_world_) >= kCompletion.max_range_m) return columns;
+    for (const OccupiedVoxel& voxel : object.voxels)
       if (is_visible(voxel)) columns.add(voxel.center(), 0.5 * kObjectVoxelM);
     return columns;
   }
@@ -201,13 +211,18 @@ class CompletedObjects::FrameDrawing {
   cv::Mat1b draw_box(const Box& world) const {
     Label label;
     label.box = Box{lidar_from_world_ * world.frame_from_box, world.size};
-    return grown(draw_label(label, drive_.camera, drive_.camera_from_lidar, all_.options_), all_.options_.label_dilation_px());
+    cv::Mat1b mask = draw_label(label, drive_.camera, drive_.camera_from_lidar, all_.options_);
+    const int dilation_px = all_.options_.label_dilation_px();
+    const cv::Rect drawn = enlarge(cv::boundingRect(mask), dilation_px, mask.size());
+    if (!drawn.empty()) grown(mask(drawn), dilation_px).copyTo(mask(drawn));
+    return mask;
   }
 
   const CompletedObjects& all_;
   const Drive& drive_;
   std::int64_t time_ns_;
   SE3 lidar_from_world_, camera_from_world_;
+  Eigen::Vector3d camera_in_world_;
   std::optional<std::size_t> scan_;  // taken with the frame
   std::shared_ptr<const FreeSpace> space_;
 };

@@ -5,6 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "dvi/core/progress.h"
 #include "dvi/drive/label.h"
 #include "dvi/objects/camera_objects.h"
@@ -34,6 +36,7 @@ struct ObjectOutlines {
 /// The data of one object from which it is drawn.
 struct CompletedObject {
   std::vector<OccupiedVoxel> voxels;  ///< the space that it occupied
+  Eigen::AlignedBox3d extent;         ///< of the voxels, world axes
   std::vector<Track> tracks;          ///< its motion
   std::optional<LabeledBoxes> boxes;  ///< its labels
 };

@@ -44,18 +44,31 @@ class LabelFinder {
 
   std::optional<int> find(const Eigen::Vector3d& world, std::int64_t time_ns) {
     const auto [entry, is_new] = frames_.try_emplace(time_ns);
-    if (is_new) entry->second = find_masked_frame(labeled_, time_ns);
-    const std::optional<MaskedFrame>& frame = entry->second;
-    if (!frame) return std::nullopt;
-    for (const Label& label : *frame->labels)
-      if (label.track >= 0 && label.box && label.box->contains(frame->lidar_from_world * world, kBoxMarginM))
-        return label.track;
+    if (is_new) entry->second = collect_boxes(time_ns);
+    for (const TrackBox& box : entry->second)
+      if (box.world.contains(world, kBoxMarginM)) return box.track;
     return std::nullopt;
   }
 
  private:
+  struct TrackBox {
+    int track;
+    Box world;
+  };
+
+  std::vector<TrackBox> collect_boxes(std::int64_t time_ns) const {
+    std::vector<TrackBox> out;
+    const std::optional<MaskedFrame> frame = find_masked_frame(labeled_, time_ns);
+    if (!frame) return out;
+    const SE3 world_from_lidar = frame->lidar_from_world.inverse();
+    for (const Label& label : *frame->labels)
+      if (label.track >= 0 && label.box)
+        out.push_back({label.track, {world_from_lidar * label.box->frame_from_box, label.box->size}});
+    return out;
+  }
+
   const CameraMaskEvidence& labeled_;
-  std::map<std::int64_t, std::optional<MaskedFrame>> frames_;  // by time of the scan
+  std::map<std::int64_t, std::vector<TrackBox>> frames_;  // by time of the scan
   int next_ = 0;
 };
 

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
+#include <set>
 #include <utility>
 
+#include "dvi/core/median.h"
 #include "dvi/objects/motion.h"
 #include "dvi/objects/seconds.h"
 
@@ -14,13 +16,15 @@ namespace dvi::objects {
 namespace {
 
 struct LabeledBoxParams {
-  std::size_t min_boxes = 2;      ///< frames that confirm an object
-  double max_gap_s = 1;           ///< between the boxes of a moving object
-  double inner_share = 0.8;       ///< of a box, which its object fills
-  double judged_radius_m = 0.05;  ///< radius around a point that a scan must pass
-  double min_passed_share = 0.5;  ///< of the judged points in the box of an absent object; rays pass windows
-  double min_hidden_share = 0.8;  ///< of the points in front of a hidden object
-  double clearance_m = 0.5;       ///< distance of these points from the box
+  std::size_t min_boxes = 2;       ///< frames that confirm an object
+  double max_gap_s = 1;            ///< between the boxes of a moving object
+  double inner_share = 0.8;        ///< of a box, which its object fills
+  double judged_radius_m = 0.05;   ///< radius around a point that a scan must pass
+  double min_passed_share = 0.5;   ///< of the judged points in the box of an absent object; rays pass windows
+  double min_hidden_share = 0.8;   ///< of the points in front of a hidden object
+  double clearance_m = 0.5;        ///< distance of these points from the box
+  std::size_t min_stationary = 4;  ///< boxes of an object that stays in place ...
+  double max_spread_m = 1.5;       ///< ... and the diagonal of the box of their positions
 };
 constexpr LabeledBoxParams kLabeledBox;
 
@@ -35,15 +39,26 @@ Box interpolate(const Box& a, const Box& b, double share) {
 
 }  // namespace
 
+std::map<int, std::size_t> find_repeated_tracks(const FrameLabels& labels) {
+  std::map<int, std::size_t> repeated;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    std::set<int> tracks;
+    for (const Label& label : labels[i])
+      if (label.track >= 0 && label.box && !tracks.insert(label.track).second) repeated.try_emplace(label.track, i);
+  }
+  return repeated;
+}
+
 std::vector<LabeledBoxes> LabeledBoxes::collect(const Drive& drive, const FrameLabels& labels,
                                                 const Trajectory& world_from_lidar) {
+  const std::map<int, std::size_t> repeated = find_repeated_tracks(labels);
   std::map<int, LabeledBoxes> tracks;
   for (std::size_t i = 0; i < drive.frames.size(); ++i) {
     const std::int64_t time_ns = drive.frames[i].time_ns;
     const std::optional<SE3> pose = world_from_lidar.at(time_ns);
     if (!pose) continue;
     for (const Label& label : labels[i]) {
-      if (label.track < 0 || !label.box) continue;
+      if (label.track < 0 || !label.box || repeated.contains(label.track)) continue;
       LabeledBoxes& track = tracks[label.track];
       track.track_ = label.track;
       track.type_ = label.type;
@@ -51,7 +66,7 @@ std::vector<LabeledBoxes> LabeledBoxes::collect(const Drive& drive, const FrameL
     }
   }
   for (const TrackMotion& motion : measure_track_motions(drive, labels, world_from_lidar))
-    tracks[motion.track].moves_ = motion.moves;
+    if (const auto track = tracks.find(motion.track); track != tracks.end()) track->second.moves_ = motion.moves;
   std::vector<LabeledBoxes> out;
   for (auto& [number, track] : tracks)
     if (track.boxes_.size() >= kLabeledBox.min_boxes) out.push_back(std::move(track));
@@ -69,6 +84,26 @@ std::optional<Box> LabeledBoxes::at(std::int64_t time_ns) const {
   if (!moves_) return (since_s < 0.5 * gap_s ? before : after)->world;
   if (gap_s > kLabeledBox.max_gap_s) return std::nullopt;
   return interpolate(before->world, after->world, since_s / gap_s);
+}
+
+std::optional<Box> LabeledBoxes::find_stationary_box() const {
+  if (moves_ || boxes_.size() < kLabeledBox.min_stationary) return std::nullopt;
+  Eigen::AlignedBox3d positions;
+  for (const StampedBox& box : boxes_) positions.extend(box.world.frame_from_box.t);
+  if (positions.diagonal().norm() > kLabeledBox.max_spread_m) return std::nullopt;
+  Eigen::Vector3d position, size;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> coordinates, lengths;
+    for (const StampedBox& box : boxes_) {
+      coordinates.push_back(box.world.frame_from_box.t[axis]);
+      lengths.push_back(box.world.size[axis]);
+    }
+    position[axis] = median(std::move(coordinates)), size[axis] = median(std::move(lengths));
+  }
+  const auto middle = std::min_element(boxes_.begin(), boxes_.end(), [&](const StampedBox& a, const StampedBox& b) {
+    return (a.world.frame_from_box.t - position).norm() < (b.world.frame_from_box.t - position).norm();
+  });
+  return Box{{middle->world.frame_from_box.R, position}, size};
 }
 
 bool is_absent_or_hidden(const Box& world, const FreeSpace& scan) {

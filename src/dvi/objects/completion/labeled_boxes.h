@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,10 +12,15 @@
 
 namespace dvi::objects {
 
+/// Finds the track numbers that several 3D boxes in one frame have, and the index of the first such frame. Labels are wrong
+/// there: these boxes are not those of one object.
+std::map<int, std::size_t> find_repeated_tracks(const FrameLabels& labels);
+
 /// A labeled object with 3D boxes in several frames, from which its box in other frames follows.
 class LabeledBoxes {
  public:
-  /// Collects the boxes of all tracks that have boxes in at least two frames with a pose, in order of track numbers.
+  /// Collects the boxes of all tracks that have boxes in at least two frames with a pose, in order of track numbers. Leaves out
+  /// those of find_repeated_tracks().
   static std::vector<LabeledBoxes> collect(const Drive& drive, const FrameLabels& labels, const Trajectory& world_from_lidar);
 
   int track() const { return track_; }
@@ -23,6 +30,10 @@ class LabeledBoxes {
   /// Returns the box in world axes at a time: of a stationary object, the one nearest in time; of a moving one, the
   /// interpolation of the boxes before and after if they are at most a second apart, else nothing.
   std::optional<Box> at(std::int64_t time_ns) const;
+
+  /// Returns the box in world axes of an object that stays in place, with the median of its positions and sizes. Returns
+  /// nothing if the object moves, if it has fewer than four boxes, or if their positions spread over more than 1.5 m.
+  std::optional<Box> find_stationary_box() const;
 
  private:
   struct StampedBox {

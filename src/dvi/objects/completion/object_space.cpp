@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <memory>
 #include <numeric>
 #include <set>
 #include <tuple>
 #include <utility>
 
+#include "dvi/core/lazy.h"
 #include "dvi/core/threads.h"
 #include "dvi/objects/seconds.h"
 
@@ -22,6 +24,7 @@ struct ObjectSpaceParams {
   int neighbor_voxels = 2;    ///< distance between voxels of one object
   std::size_t min_scans = 2;  ///< scans in which masks show an object
   double max_step_s = 0.3;    ///< time between voxels of one object that moves
+  double cell_m = 10;         ///< edge of the squares in which voxels near a scan are searched
 };
 constexpr ObjectSpaceParams kSpace;
 
@@ -51,31 +54,39 @@ struct CandidateVoxel {
   std::vector<VoxelObservation> observations;  // in order of time
 };
 
-// The voxels with returns of one scan, and what masks show of them.
-using ScanVoxels = std::map<VoxelKey, MaskVote>;
+// A voxel with returns of one scan, and what masks show of it.
+struct VoxelVote {
+  VoxelKey key;
+  MaskVote vote;
+};
+using ScanVotes = std::vector<VoxelVote>;  // in order of keys
 
-ScanVoxels find_scan_voxels(const std::vector<CameraMaskEvidence>& cameras, const ObstacleReturns& returns,
-                            std::int64_t time_ns) {
-  ScanVoxels out;
-  const std::vector<MaskVote> votes = vote_by_masks(cameras, returns, time_ns);
-  for (std::size_t i = 0; i < votes.size(); ++i) {
-    MaskVote& vote = out.try_emplace(key_of(returns.points[i]), MaskVote::unseen).first->second;
-    vote = std::max(vote, votes[i]);
+ScanVotes vote_on_voxels(const std::vector<CameraMaskEvidence>& cameras, const MovingReturns& returns, std::size_t scan) {
+  const auto obstacles = returns.obstacles(scan);
+  const std::vector<MaskVote> votes = vote_by_masks(cameras, *obstacles, returns.time_ns(scan));
+  ScanVotes all;
+  all.reserve(votes.size());
+  for (std::size_t i = 0; i < votes.size(); ++i) all.push_back({key_of(obstacles->points[i]), votes[i]});
+  std::sort(all.begin(), all.end(), [](const VoxelVote& a, const VoxelVote& b) { return a.key < b.key; });
+  ScanVotes out;
+  for (const VoxelVote& vote : all) {
+    if (out.empty() || out.back().key != vote.key)
+      out.push_back(vote);
+    else
+      out.back().vote = std::max(out.back().vote, vote.vote);
   }
+  out.shrink_to_fit();
   return out;
 }
 
-// Finds the voxels in which masks show an object at any time.
-std::vector<CandidateVoxel> find_candidates(const std::vector<CameraMaskEvidence>& cameras, const MovingReturns& returns,
-                                            const Tick& tick) {
+// Finds the voxels in which masks show an object at any time, in order of keys.
+std::vector<CandidateVoxel> find_candidates(const Lazy<ScanVotes>& votes, const Tick& tick) {
   std::set<VoxelKey> found;
-  for_blocks(returns.scans(), [&](std::size_t first, std::size_t last) {
-    std::vector<ScanVoxels> voxels(last - first);
-    parallel_for(voxels.size(), [&](std::size_t i) {
-      voxels[i] = find_scan_voxels(cameras, *returns.obstacles(first + i), returns.time_ns(first + i));
-    });
-    for (const ScanVoxels& scan : voxels) {
-      for (const auto& [key, vote] : scan)
+  for_blocks(votes.size(), [&](std::size_t first, std::size_t last) {
+    std::vector<std::shared_ptr<const ScanVotes>> scans(last - first);
+    parallel_for(scans.size(), [&](std::size_t i) { scans[i] = votes[first + i]; });
+    for (const auto& scan : scans) {
+      for (const auto& [key, vote] : *scan)
         if (vote == MaskVote::object) found.insert(key);
       tick();
     }
@@ -92,22 +103,68 @@ VoxelState to_state(MaskVote vote) {
                                         : VoxelState::unclear;
 }
 
-// Adds the observations of one scan to the voxels.
-void observe(const std::vector<CameraMaskEvidence>& cameras, const MovingReturns& returns, std::size_t scan,
-             std::vector<CandidateVoxel>& voxels) {
-  if (!returns.is_trusted(scan)) return;
-  const auto space = returns.free_space(scan);
-  const ScanVoxels hit = find_scan_voxels(cameras, *returns.obstacles(scan), returns.time_ns(scan));
-  parallel_for(voxels.size(), [&](std::size_t i) {
-    CandidateVoxel& voxel = voxels[i];
-    if (const auto found = hit.find(voxel.key); found != hit.end()) {
-      voxel.observations.push_back({scan, to_state(found->second)});
-      return;
+// Collects the observations of candidates, scan by scan. A scan concerns the candidates near its sensor only, so the time per
+// scan does not grow with the drive.
+class Observations {
+ public:
+  Observations(const MovingReturns& returns, std::vector<CandidateVoxel>& voxels) : returns_(returns), voxels_(voxels) {
+    for (std::size_t i = 0; i < voxels.size(); ++i) cells_[cell_of(center_of(index_of(voxels[i].key)).head<2>())].push_back(i);
+  }
+
+  void add(std::size_t scan, const ScanVotes& hit) {
+    if (!returns_.is_trusted(scan)) return;
+    for (const auto& [key, vote] : hit)
+      if (CandidateVoxel* const voxel = find(key)) voxel->observations.push_back({scan, to_state(vote)});
+    const auto space = returns_.free_space(scan);
+    if (!space->valid()) return;
+    const std::vector<std::size_t> near = find_near(scan);
+    parallel_for(near.size(), [&](std::size_t i) {
+      CandidateVoxel& voxel = voxels_[near[i]];
+      if (!voxel.observations.empty() && voxel.observations.back().scan == scan) return;  // hit
+      const Eigen::Vector3d center = center_of(index_of(voxel.key));
+      if (returns_.can_observe(scan, center.head<2>()) && space->judge(center, kJudgedRadiusM) == FreeSpace::Seen::passed)
+        voxel.observations.push_back({scan, VoxelState::free});
+    });
+  }
+
+ private:
+  using Cell = std::pair<int, int>;
+
+  static Cell cell_of(const Eigen::Vector2d& position) {
+    const Eigen::Vector2i cell = (position / kSpace.cell_m).array().floor().cast<int>();
+    return {cell.x(), cell.y()};
+  }
+
+  CandidateVoxel* find(const VoxelKey& key) {
+    const auto found = std::lower_bound(voxels_.begin(), voxels_.end(), key,
+                                        [](const CandidateVoxel& voxel, const VoxelKey& k) { return voxel.key < k; });
+    return found != voxels_.end() && found->key == key ? &*found : nullptr;
+  }
+
+  // Returns the candidates in the cells that the scan may observe.
+  std::vector<std::size_t> find_near(std::size_t scan) const {
+    const Eigen::AlignedBox2d area = returns_.observable_area(scan);
+    const Cell low = cell_of(area.min()), high = cell_of(area.max());
+    std::vector<std::size_t> out;
+    for (int x = low.first; x <= high.first; ++x) {
+      const auto end = cells_.upper_bound({x, high.second});
+      for (auto cell = cells_.lower_bound({x, low.second}); cell != end; ++cell)
+        out.insert(out.end(), cell->second.begin(), cell->second.end());
     }
-    const Eigen::Vector3d center = center_of(index_of(voxel.key));
-    if (returns.can_observe(scan, center.head<2>()) && space->valid() &&
-        space->judge(center, kJudgedRadiusM) == FreeSpace::Seen::passed)
-      voxel.observations.push_back({scan, VoxelState::free});
+    return out;
+  }
+
+  const MovingReturns& returns_;
+  std::vector<CandidateVoxel>& voxels_;
+  std::map<Cell, std::vector<std::size_t>> cells_;  // candidates, seen from above
+};
+
+void observe(const Lazy<ScanVotes>& votes, const MovingReturns& returns, std::vector<CandidateVoxel>& voxels) {
+  Observations observations(returns, voxels);
+  for_blocks(votes.size(), [&](std::size_t first, std::size_t last) {
+    std::vector<std::shared_ptr<const ScanVotes>> scans(last - first);
+    parallel_for(scans.size(), [&](std::size_t i) { scans[i] = votes[first + i]; });
+    for (std::size_t i = 0; i < scans.size(); ++i) observations.add(first + i, *scans[i]);
   });
 }
 
@@ -265,8 +322,10 @@ Eigen::Vector3d OccupiedVoxel::center() const { return center_of(index); }
 
 std::vector<OccupiedVoxel> find_object_space(const std::vector<CameraMaskEvidence>& cameras, const MovingReturns& returns,
                                              const Tick& tick) {
-  std::vector<CandidateVoxel> candidates = find_candidates(cameras, returns, tick);
-  for (std::size_t scan = 0; scan < returns.scans(); ++scan) observe(cameras, returns, scan, candidates);
+  // Kept for the second pass as far as memory allows.
+  const Lazy<ScanVotes> votes(returns.scans(), [&](std::size_t scan) { return vote_on_voxels(cameras, returns, scan); });
+  std::vector<CandidateVoxel> candidates = find_candidates(votes, tick);
+  observe(votes, returns, candidates);
   std::vector<OccupiedVoxel> out;
   for (const CandidateVoxel& voxel : candidates)
     for (OccupiedVoxel& period : Periods(voxel, returns).find()) out.push_back(std::move(period));
