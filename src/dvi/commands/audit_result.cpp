@@ -91,18 +91,24 @@ cv::Mat1b read_result_mask(const fs::path& file, const Camera& camera) {
   return media::read_mask(file, {camera.width, camera.height});
 }
 
-enum class TargetMasks { given, extended };
+/// The relation of the masks of a run to the given masks. given: the run uses them for the target's own frames. extended: it
+/// removes more. refined: it removes more, and less where they cover background.
+enum class RunMasks { given, extended, refined };
+
+RunMasks relate_masks(const objects::GivenMasks& given) {
+  return given.complete ? RunMasks::given : given.refined ? RunMasks::refined : RunMasks::extended;
+}
 
 /// Returns all masks of the run, from which no pixel may be copied: the masks of the drives together with shadows and with
-/// masks that were detected, found in scans, or reprojected. `target`: whether the run also extended masks of the target's own
-/// frames.
-Lazy<cv::Mat1b> add_run_masks(const Views& views, const std::vector<std::string>& names, TargetMasks target,
-                              const fs::path& out) {
-  return {views.size(), [views, names, target, out](std::size_t i) {
+/// masks that were completed, detected, found in scans, or reprojected.
+Lazy<cv::Mat1b> collect_run_masks(const Views& views, const std::vector<std::string>& names, RunMasks relation,
+                                  const fs::path& out) {
+  return {views.size(), [views, names, relation, out](std::size_t i) {
             const bool own = i < names.size();
-            if (own && target == TargetMasks::given) return views.masks[i]->clone();
+            if (own && relation == RunMasks::given) return views.masks[i]->clone();
             const std::string file = own ? "masks/" + names[i] + ".png" : result::source_mask_file(i);
-            return cv::Mat1b(*views.masks[i] | read_result_mask(out / file, views[i].camera));
+            const cv::Mat1b of_run = read_result_mask(out / file, views[i].camera);
+            return relation == RunMasks::refined ? of_run : cv::Mat1b(*views.masks[i] | of_run);
           }};
 }
 
@@ -169,7 +175,7 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
   for (std::size_t i = 0; i < sources.size(); ++i) views.views[i].gain = sources[i].gain;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < views.of_sequence(0).second; ++i) names.push_back(sources[i].frame);
-  views.masks = add_run_masks(views, names, given.complete ? TargetMasks::given : TargetMasks::extended, out);
+  views.masks = collect_run_masks(views, names, relate_masks(given), out);
 
   progress.begin("audit", names.size());
   AuditReport report{audit::audit_result(out, views, names, progress.tick()), {}, {}};

@@ -20,11 +20,12 @@ struct CameraObjects {
   SharedLabels labels;                  ///< labels of the objects, per frame
   SharedLabels completed;               ///< outlines of the parts of objects that the masks lack, per frame
   SharedLabels shown;                   ///< outlines of the parts of completed objects that the masks show, per frame
+  SharedLabels background;              ///< outlines of the background that bounding boxes cover, per frame
   std::vector<ObjectMotion> motions{};  ///< of the objects whose motion is known, by number
 
   /// Makes objects that only have labels.
   explicit CameraObjects(SharedLabels of_frames = shared({}))
-      : labels(std::move(of_frames)), completed(shared(FrameLabels(labels->size()))), shown(completed) {}
+      : labels(std::move(of_frames)), completed(shared(FrameLabels(labels->size()))), shown(completed), background(completed) {}
 };
 
 }  // namespace dvi::objects

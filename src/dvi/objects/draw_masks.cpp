@@ -46,9 +46,14 @@ Lazy<cv::Mat1b> draw_camera(const CameraRef& ref, const Objects& objects, const 
   Lazy<cv::Mat1b> images = draw_plain_masks(own, objects[ref.index].labels, options);
   if (const int radius = options.masks.file_dilation_px(); radius > 0 && own.source == MaskSource::files)
     progress.note(fmt::format("{}: mask files are dilated by {} px (masks.dilate_px)", own.name, radius));
-  if (const SharedLabels& completed = objects[ref.index].completed; has_labels(*completed))
-    images = unite(images, {images.size(), [completed, size = cv::Size(own.drive.camera.width, own.drive.camera.height)](
-                                               std::size_t i) { return draw_instances((*completed)[i], size); }});
+  const CameraObjects& found = objects[ref.index];
+  if (has_labels(*found.completed) || has_labels(*found.background))
+    images = {images.size(), [images, found, ego = own.ego_mask](std::size_t i) {
+                const auto given = images[i];
+                cv::Mat1b kept = draw_instances((*found.background)[i], given->size());
+                if (!ego.empty()) kept.setTo(0, ego);
+                return cv::Mat1b((*given & ~kept) | draw_instances((*found.completed)[i], given->size()));
+              }};
   const bool from_scans = own.source == MaskSource::found;
   if (own.source && (from_scans || options.masks.shadows))
     images = refine_masks(ref, images, {from_scans ? objects[ref.index].labels : nullptr, options.masks.shadows}, progress);
@@ -121,6 +126,7 @@ GivenMasks draw_given_masks(const Evidence& evidence, const RemovalOptions& opti
   const CameraEvidence& target = evidence[0];
   const bool is_exact = !options.masks.shadows && !options.objects.complete && options.remove != Remove::all;
   out.complete = !target.source || (target.source == MaskSource::files && is_exact);
+  out.refined = options.objects.complete && options.objects.refine;
   return out;
 }
 

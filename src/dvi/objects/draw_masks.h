@@ -29,6 +29,7 @@ Masks find_and_draw(const Evidence& evidence, const RemovalOptions& options, Pro
 struct GivenMasks {
   Masks masks;            ///< without labels of objects
   bool complete = false;  ///< whether a run uses exactly these masks for the own camera of the target
+  bool refined = false;   ///< whether a run may remove less than these masks
 };
 
 /// Draws the given masks of all cameras.

@@ -29,11 +29,13 @@ constexpr auto names_of(Remove) {
 /// Options of objects.
 struct ObjectOptions {
   bool complete = true;  ///< whether objects are completed in frames and cameras whose masks lack them
+  bool refine = true;    ///< whether background that bounding boxes cover is not removed
 
   void describe(OptionTable& table) {
     table.section("objects");
     table.add("complete", complete,
               "Remove an object also from frames and cameras in which its masks, labels, or detections are missing.");
+    table.add("refine", refine, "Keep the background that bounding boxes cover.");
   }
 };
 

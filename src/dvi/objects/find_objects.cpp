@@ -234,6 +234,7 @@ void complete_drive(const Evidence& evidence, std::size_t own, const RemovalOpti
     ObjectOutlines outlines = completed.draw(cameras[i].camera, cameras[i].removed);
     objects_of[i]->completed = shared(std::move(outlines.completed));
     objects_of[i]->shown = shared(std::move(outlines.shown));
+    if (options.objects.refine) objects_of[i]->background = shared(std::move(outlines.background));
     objects_of[i]->motions = completed.motions();
   }
 }

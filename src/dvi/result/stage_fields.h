@@ -104,7 +104,8 @@ constexpr auto fields_of(Of<objects::ObjectMotion>) {
 }
 constexpr auto fields_of(Of<objects::CameraObjects>) {
   using objects::CameraObjects;
-  return std::tuple{&CameraObjects::labels, &CameraObjects::completed, &CameraObjects::shown, &CameraObjects::motions};
+  return std::tuple{&CameraObjects::labels, &CameraObjects::completed, &CameraObjects::shown, &CameraObjects::background,
+                    &CameraObjects::motions};
 }
 constexpr auto fields_of(Of<map::MapPoint>) {
   using map::MapPoint;

@@ -1,6 +1,7 @@
 #include "dvi/objects/completion/complete.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
@@ -9,8 +10,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/threads.h"
+#include "dvi/drive/image_returns.h"
 #include "dvi/drive/outline.h"
 #include "dvi/image/region.h"
+#include "dvi/objects/completion/box_masks.h"
 #include "dvi/objects/completion/identities.h"
 #include "dvi/objects/completion/object_columns.h"
 #include "dvi/objects/seconds.h"
@@ -27,6 +30,9 @@ struct CompletionParams {
   double max_range_m = 200;          ///< farther objects cover a few pixels
   double border_m = 0.35;            ///< deviation of an object's drawn outline from its true one
   int min_border_px = 3;             ///< deviation of masks from the true outline
+  double ground_m = 0.2;             ///< height above the ground up to which returns are on the ground
+  int shadow_columns = 4;            ///< columns around an object whose ground its shadow may cover: 1 m
+  double top_margin_m = 0.3;         ///< returns this far above an object are behind it
 };
 constexpr CompletionParams kCompletion;
 
@@ -138,7 +144,7 @@ class CompletedObjects::FrameDrawing {
 
   // Draws an object where `mask` lacks it into `completed`, and where the mask shows it into `shown`.
   void draw(int number, const CompletedObject& object, const cv::Mat1b& mask, std::vector<Label>& completed,
-            std::vector<Label>& shown) const {
+            std::vector<Label>& shown) {
     const ObjectColumns occupied = fill_columns(object);
     std::vector<ObjectColumns> moving;
     for (const Track& track : object.tracks)
@@ -155,15 +161,36 @@ class CompletedObjects::FrameDrawing {
       lacking |= find_uncovered(drawn, mask, border_px);
     };
     const auto add_columns = [&](const ObjectColumns& columns, double max_covered_share) {
-      if (!columns.empty())
-        add(columns.draw(all_.ground_, drive_.camera, camera_from_world_), columns.nearest_m(camera_from_world_),
-            max_covered_share);
+      if (columns.empty()) return;
+      drawn_.add(columns);
+      add(columns.draw(all_.ground_, drive_.camera, camera_from_world_), columns.nearest_m(camera_from_world_),
+          max_covered_share);
     };
     add_columns(occupied, 1);
     for (const ObjectColumns& columns : moving) add_columns(columns, kCompletion.max_covered_share);
     if (box) add(draw_box(*box), (camera_from_world_ * box->frame_from_box.t).z(), 1);
     add_label(number, type, lacking, completed);
     add_label(number, type, covered, shown);
+  }
+
+  // Returns the background that bounding boxes of the mask cover, once all objects are drawn.
+  cv::Mat1b find_background(std::size_t frame, const cv::Mat1b& mask, const Trajectory& world_from_lidar) const {
+    if (drawn_.empty() || cv::countNonZero(mask) == 0) return {};
+    BoxSeeds seeds{cv::Mat1b(mask.size(), uchar{0}), cv::Mat1b(mask.size(), uchar{0}), cv::Mat1b(mask.size(), uchar{0})};
+    const SE3 world_from_camera = camera_from_world_.inverse();
+    for (const ImageReturn& r : project_returns(drive_, frame, world_from_lidar)) {
+      const cv::Point pixel(cvRound(r[0]), cvRound(r[1]));
+      const Eigen::Vector3d world = world_from_camera * (static_cast<double>(r[2]) * drive_.camera.ray({r[0], r[1]}));
+      const double ground_m = all_.ground_.height(world.head<2>()).value_or(-std::numeric_limits<double>::infinity());
+      const bool is_ground = world.z() < ground_m + kCompletion.ground_m;
+      const std::optional<double> top_m = drawn_.top_near(world.head<2>(), is_ground ? kCompletion.shadow_columns : 1);
+      cv::Mat1b& kind = !top_m                                          ? seeds.background
+                        : is_ground                                     ? seeds.ground
+                        : world.z() < *top_m + kCompletion.top_margin_m ? seeds.object
+                                                                        : seeds.background;
+      kind(pixel) = 255;
+    }
+    return find_background_in_boxes(*drive_.images[frame], mask, seeds);
   }
 
  private:
@@ -225,16 +252,22 @@ class CompletedObjects::FrameDrawing {
   Eigen::Vector3d camera_in_world_;
   std::optional<std::size_t> scan_;  // taken with the frame
   std::shared_ptr<const FreeSpace> space_;
+  ObjectColumns drawn_;
 };
 
 ObjectOutlines CompletedObjects::draw(const CameraEvidence& camera, const Lazy<cv::Mat1b>& masks) const {
   const std::size_t frames = camera.drive.frames.size();
-  ObjectOutlines out{FrameLabels(frames), FrameLabels(frames)};
+  ObjectOutlines out{FrameLabels(frames), FrameLabels(frames), FrameLabels(frames)};
   parallel_in_order(frames, [&](std::size_t i) {
     const std::optional<SE3> pose = camera.world_from_lidar.at(camera.drive.frames[i].time_ns);
     if (!pose) return;
-    const FrameDrawing drawing(*this, camera, i, *pose);
-    for (const auto& [number, object] : objects_) drawing.draw(number, object, *masks[i], out.completed[i], out.shown[i]);
+    FrameDrawing drawing(*this, camera, i, *pose);
+    const auto mask = masks[i];
+    for (const auto& [number, object] : objects_) drawing.draw(number, object, *mask, out.completed[i], out.shown[i]);
+    const cv::Mat1b background = drawing.find_background(i, *mask, camera.world_from_lidar);
+    if (background.empty() || cv::countNonZero(background) == 0) return;
+    out.background[i].emplace_back();
+    out.background[i].back().instance = to_outline(background);
   });
   return out;
 }

@@ -29,8 +29,9 @@ struct CompletionInput {
 
 /// Outlines of objects in the frames of one camera. The track of a label is the number of its object.
 struct ObjectOutlines {
-  FrameLabels completed;  ///< per frame: the parts of objects that masks lack
-  FrameLabels shown;      ///< per frame: the parts that masks show
+  FrameLabels completed;   ///< per frame: the parts of objects that masks lack
+  FrameLabels shown;       ///< per frame: the parts that masks show
+  FrameLabels background;  ///< per frame: the background that bounding boxes cover, of all objects together
 };
 
 /// The data of one object from which it is drawn.

@@ -29,6 +29,24 @@ void ObjectColumns::add(const Eigen::Vector3d& point, double half_height_m) {
   top_m = std::max(top_m, point.z() + half_height_m);
 }
 
+void ObjectColumns::add(const ObjectColumns& other) {
+  for (const auto& [column, other_m] : other.tops_m_) {
+    double& top_m = tops_m_.try_emplace(column, other_m).first->second;
+    top_m = std::max(top_m, other_m);
+  }
+}
+
+std::optional<double> ObjectColumns::top_near(const Eigen::Vector2d& position, int columns) const {
+  const Eigen::Vector3i middle = voxel_at({position.x(), position.y(), 0});
+  std::optional<double> top_m;
+  for (int x = middle.x() - columns; x <= middle.x() + columns; ++x) {
+    const auto end = tops_m_.upper_bound({x, middle.y() + columns});
+    for (auto column = tops_m_.lower_bound({x, middle.y() - columns}); column != end; ++column)
+      top_m = std::max(top_m.value_or(column->second), column->second);
+  }
+  return top_m;
+}
+
 cv::Mat1b ObjectColumns::draw(const ground::ScanGround& ground, const Camera& camera, const SE3& camera_from_world) const {
   cv::Mat1b mask(camera.height, camera.width, uchar{0});
   const double low_m = -kColumns.margin_m, high_m = kObjectVoxelM + kColumns.margin_m;

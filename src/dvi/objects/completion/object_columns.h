@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include <opencv2/core/mat.hpp>
@@ -19,7 +20,12 @@ class ObjectColumns {
   /// Extends a column up to a point and half of its height.
   void add(const Eigen::Vector3d& point, double half_height_m);
 
+  /// Adds other columns.
+  void add(const ObjectColumns& other);
+
   bool empty() const { return tops_m_.empty(); }
+  /// Returns the height of the highest column within a number of columns around a position; nothing if there is none.
+  std::optional<double> top_near(const Eigen::Vector2d& position, int columns) const;
   /// Draws the columns, each from the ground to its top, and closes the gaps between them.
   cv::Mat1b draw(const ground::ScanGround& ground, const Camera& camera, const SE3& camera_from_world) const;
   /// Returns the depth of the nearest column in a camera, in meters.

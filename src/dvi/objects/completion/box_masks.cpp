@@ -1,0 +1,134 @@
+#include "dvi/objects/completion/box_masks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "dvi/image/region.h"
+
+namespace dvi::objects {
+namespace {
+
+struct BoxMaskParams {
+  int min_side_px = 8;              ///< shortest straight piece of the outline of a box
+  double min_straight_share = 0.7;  ///< share of such pieces of the outline; boxes that are dilated have round corners
+  std::size_t max_boxes = 24;       ///< of one part
+  double max_rest_share = 0.02;     ///< of the area that no rectangle covers
+  int border_px = 15;               ///< around a part, where GrabCut learns the colors of the background
+  int iterations = 4;               ///< of GrabCut; its result hardly changes afterward
+  int min_seeds = 5;                ///< of objects; fewer may be errors
+  float min_distance_px = 2;        ///< between a seed of the background and the next one of an object, at edges of objects
+  float max_ground_px = 6;          ///< distance to a return on the ground beside an object, as between rays
+  int margin_px = 1;                ///< blur of the object's edge
+  int gap_px = 2;                   ///< gaps between an object and its shadow
+};
+constexpr BoxMaskParams kBoxMasks;
+
+bool is_box_shaped(const cv::Mat1b& part) {
+  std::vector<std::vector<cv::Point>> outlines;
+  cv::findContours(part, outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE);
+  double straight = 0, all = 0;
+  for (const std::vector<cv::Point>& outline : outlines)
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+      const cv::Point step = outline[(i + 1) % outline.size()] - outline[i];
+      const double length = std::hypot(step.x, step.y);
+      all += length;
+      if ((step.x == 0 || step.y == 0) && length >= kBoxMasks.min_side_px) straight += length;
+    }
+  return straight >= kBoxMasks.min_straight_share * all && all > 0;
+}
+
+// Calls `visit` with each rectangle within a mask that cannot be extended upward, to the left, or to the right.
+template <class Visit>
+void visit_rectangles(const cv::Mat1b& mask, const Visit& visit) {
+  std::vector<int> height(static_cast<std::size_t>(mask.cols) + 1, 0);  // of the column above the row; 0 at the end
+  for (int y = 0; y < mask.rows; ++y) {
+    for (int x = 0; x < mask.cols; ++x) {
+      int& column = height[static_cast<std::size_t>(x)];
+      column = mask(y, x) != 0 ? column + 1 : 0;
+    }
+    std::vector<std::pair<int, int>> open;  // first column and height of the rectangles that still extend to the right
+    for (int x = 0; x <= mask.cols; ++x) {
+      int first = x;
+      const int here = height[static_cast<std::size_t>(x)];
+      while (!open.empty() && open.back().second > here) {
+        first = open.back().first;
+        visit(cv::Rect(first, y - open.back().second + 1, x - first, open.back().second));
+        open.pop_back();
+      }
+      if (here > 0 && (open.empty() || open.back().second < here)) open.emplace_back(first, here);
+    }
+  }
+}
+
+// Marks the pixels of a part of a mask that belong to objects, by GrabCut.
+cv::Mat1b cut_out_objects(const cv::Mat3b& image, const cv::Mat1b& part, const BoxSeeds& seeds) {
+  cv::Mat1f to_object, to_background, to_ground;
+  cv::distanceTransform(cv::Mat1b(~seeds.object), to_object, cv::DIST_L2, cv::DIST_MASK_5);
+  cv::distanceTransform(cv::Mat1b(~seeds.background), to_background, cv::DIST_L2, cv::DIST_MASK_5);
+  cv::distanceTransform(cv::Mat1b(~seeds.ground), to_ground, cv::DIST_L2, cv::DIST_MASK_5);
+  cv::Mat1b state(part.size(), uchar{cv::GC_BGD});
+  for (int y = 0; y < part.rows; ++y)
+    for (int x = 0; x < part.cols; ++x) {
+      if (part(y, x) == 0) continue;
+      const bool is_nearer = to_object(y, x) <= to_background(y, x);
+      state(y, x) = seeds.object(y, x) != 0 ? cv::GC_FGD
+                    : seeds.background(y, x) != 0 && to_object(y, x) > kBoxMasks.min_distance_px
+                        ? cv::GC_BGD
+                        : (is_nearer ? cv::GC_PR_FGD : cv::GC_PR_BGD);
+    }
+  cv::Mat background_model, object_model;
+  cv::grabCut(image, state, {}, background_model, object_model, kBoxMasks.iterations, cv::GC_INIT_WITH_MASK);
+  cv::Mat1b object((state == cv::GC_FGD) | (state == cv::GC_PR_FGD));
+  object |= cv::Mat1b(to_ground < to_background) & cv::Mat1b(to_ground < kBoxMasks.max_ground_px);
+  object = grown(grown(object, kBoxMasks.gap_px), kBoxMasks.margin_px - kBoxMasks.gap_px);
+  return cv::Mat1b(object & part);
+}
+
+}  // namespace
+
+std::vector<cv::Rect> split_into_boxes(const cv::Mat1b& part) {
+  std::vector<cv::Rect> out;
+  if (!is_box_shaped(part)) return out;
+  cv::Mat1b rest = part.clone();
+  const int area = cv::countNonZero(part);
+  while (out.size() < kBoxMasks.max_boxes && cv::countNonZero(rest) > kBoxMasks.max_rest_share * area) {
+    cv::Mat1i sums;
+    cv::integral(rest, sums, CV_32S);
+    cv::Rect best;
+    int most = 0;
+    visit_rectangles(part, [&](const cv::Rect& box) {
+      const int covered = sums(box.br()) - sums(box.y, box.br().x) - sums(box.br().y, box.x) + sums(box.tl());
+      if (std::min(box.width, box.height) >= kBoxMasks.min_side_px && covered > most) best = box, most = covered;
+    });
+    if (most == 0) break;
+    rest(best) = 0;
+    out.push_back(best);
+  }
+  return out;
+}
+
+cv::Mat1b find_background_in_boxes(const cv::Mat3b& image, const cv::Mat1b& mask, const BoxSeeds& seeds) {
+  cv::Mat1b out(mask.size(), uchar{0});
+  cv::Mat1i parts;
+  cv::Mat stats, centers;
+  const int count = cv::connectedComponentsWithStats(mask, parts, stats, centers, 8, CV_32S);
+  for (int i = 1; i < count; ++i) {
+    const auto side = [&](int column) { return stats.at<int>(i, column); };
+    const int border = kBoxMasks.border_px;
+    const cv::Rect box = cv::Rect(side(cv::CC_STAT_LEFT) - border, side(cv::CC_STAT_TOP) - border,
+                                  side(cv::CC_STAT_WIDTH) + 2 * border, side(cv::CC_STAT_HEIGHT) + 2 * border) &
+                         cv::Rect({}, mask.size());
+    const cv::Mat1b part(parts(box) == i);
+    const BoxSeeds within{seeds.object(box), seeds.background(box), seeds.ground(box)};
+    if (!is_box_shaped(part) || cv::countNonZero(within.object & part) < kBoxMasks.min_seeds) continue;
+    cv::Mat1b(part & ~cut_out_objects(image(box).clone(), part, within)).copyTo(out(box), part);
+  }
+  return out;
+}
+
+}  // namespace dvi::objects
