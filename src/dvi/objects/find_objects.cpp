@@ -231,7 +231,7 @@ void complete_drive(const Evidence& evidence, std::size_t own, const RemovalOpti
   const CompletedObjects completed({cameras, *motion.returns, *motion.ground, motion.tracks, options.masks}, progress.tick());
   progress.end();
   for (std::size_t i = 0; i < cameras.size(); ++i) {
-    ObjectOutlines outlines = completed.draw(cameras[i].camera, cameras[i].removed);
+    ObjectOutlines outlines = completed.draw(cameras[i]);
     objects_of[i]->completed = shared(std::move(outlines.completed));
     objects_of[i]->shown = shared(std::move(outlines.shown));
     if (options.objects.refine) objects_of[i]->background = shared(std::move(outlines.background));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <utility>
+#include <vector>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -18,12 +19,14 @@ struct BoxMaskParams {
   double min_straight_share = 0.7;  ///< share of such pieces of the outline; boxes that are dilated have round corners
   std::size_t max_boxes = 24;       ///< of one part
   double max_rest_share = 0.02;     ///< of the area that no rectangle covers
+  double max_image_share = 0.5;     ///< of the area of a part; larger ones are no objects
   int border_px = 15;               ///< around a part, where GrabCut learns the colors of the background
   int iterations = 4;               ///< of GrabCut; its result hardly changes afterward
   int min_seeds = 5;                ///< of objects; fewer may be errors
   float min_distance_px = 2;        ///< between a seed of the background and the next one of an object, at edges of objects
   float max_ground_px = 6;          ///< distance to a return on the ground beside an object, as between rays
-  int margin_px = 1;                ///< blur of the object's edge
+  float max_ray_gap_px = 8;         ///< distance to a return behind the object, without which the background is not observed
+  double margin_share = 0.0025;     ///< blur of the object's edge and errors of the extrinsics, relative to the image's width
   int gap_px = 2;                   ///< gaps between an object and its shadow
 };
 constexpr BoxMaskParams kBoxMasks;
@@ -66,7 +69,7 @@ void visit_rectangles(const cv::Mat1b& mask, const Visit& visit) {
 }
 
 // Marks the pixels of a part of a mask that belong to objects, by GrabCut.
-cv::Mat1b cut_out_objects(const cv::Mat3b& image, const cv::Mat1b& part, const BoxSeeds& seeds) {
+cv::Mat1b cut_out_objects(const cv::Mat3b& image, const cv::Mat1b& part, const BoxSeeds& seeds, int margin_px) {
   cv::Mat1f to_object, to_background, to_ground;
   cv::distanceTransform(cv::Mat1b(~seeds.object), to_object, cv::DIST_L2, cv::DIST_MASK_5);
   cv::distanceTransform(cv::Mat1b(~seeds.background), to_background, cv::DIST_L2, cv::DIST_MASK_5);
@@ -84,9 +87,20 @@ cv::Mat1b cut_out_objects(const cv::Mat3b& image, const cv::Mat1b& part, const B
   cv::Mat background_model, object_model;
   cv::grabCut(image, state, {}, background_model, object_model, kBoxMasks.iterations, cv::GC_INIT_WITH_MASK);
   cv::Mat1b object((state == cv::GC_FGD) | (state == cv::GC_PR_FGD));
+  object |= cv::Mat1b(to_background > kBoxMasks.max_ray_gap_px);
   object |= cv::Mat1b(to_ground < to_background) & cv::Mat1b(to_ground < kBoxMasks.max_ground_px);
-  object = grown(grown(object, kBoxMasks.gap_px), kBoxMasks.margin_px - kBoxMasks.gap_px);
+  object = grown(grown(object, kBoxMasks.gap_px), margin_px - kBoxMasks.gap_px);
   return cv::Mat1b(object & part);
+}
+
+// Returns the boxes of a part that contain too few seeds of an object of their own, which other boxes do not cover.
+cv::Mat1b find_boxes_without_objects(const cv::Mat1b& part, const std::vector<cv::Rect>& boxes, const cv::Mat1b& seeds) {
+  cv::Mat1b covering(part.size(), uchar{0}), out = covering.clone();
+  for (const cv::Rect& box : boxes) cv::Mat1b(covering(box) + 1).copyTo(covering(box));
+  const cv::Mat1b alone(covering == 1);
+  for (const cv::Rect& box : boxes)
+    if (cv::countNonZero(seeds(box) & alone(box)) < kBoxMasks.min_seeds) out(box).setTo(255, alone(box));
+  return out;
 }
 
 }  // namespace
@@ -112,23 +126,31 @@ std::vector<cv::Rect> split_into_boxes(const cv::Mat1b& part) {
   return out;
 }
 
-cv::Mat1b find_background_in_boxes(const cv::Mat3b& image, const cv::Mat1b& mask, const BoxSeeds& seeds) {
-  cv::Mat1b out(mask.size(), uchar{0});
+std::vector<BoxPart> find_box_parts(const cv::Mat1b& mask) {
+  std::vector<BoxPart> out;
   cv::Mat1i parts;
-  cv::Mat stats, centers;
+  cv::Mat1i stats;
+  cv::Mat centers;
   const int count = cv::connectedComponentsWithStats(mask, parts, stats, centers, 8, CV_32S);
   for (int i = 1; i < count; ++i) {
-    const auto side = [&](int column) { return stats.at<int>(i, column); };
     const int border = kBoxMasks.border_px;
-    const cv::Rect box = cv::Rect(side(cv::CC_STAT_LEFT) - border, side(cv::CC_STAT_TOP) - border,
-                                  side(cv::CC_STAT_WIDTH) + 2 * border, side(cv::CC_STAT_HEIGHT) + 2 * border) &
-                         cv::Rect({}, mask.size());
-    const cv::Mat1b part(parts(box) == i);
-    const BoxSeeds within{seeds.object(box), seeds.background(box), seeds.ground(box)};
-    if (!is_box_shaped(part) || cv::countNonZero(within.object & part) < kBoxMasks.min_seeds) continue;
-    cv::Mat1b(part & ~cut_out_objects(image(box).clone(), part, within)).copyTo(out(box), part);
+    const cv::Rect area = cv::Rect(stats(i, cv::CC_STAT_LEFT) - border, stats(i, cv::CC_STAT_TOP) - border,
+                                   stats(i, cv::CC_STAT_WIDTH) + 2 * border, stats(i, cv::CC_STAT_HEIGHT) + 2 * border) &
+                          cv::Rect({}, mask.size());
+    BoxPart part{area, cv::Mat1b(parts(area) == i), {}};
+    if (stats(i, cv::CC_STAT_AREA) > kBoxMasks.max_image_share * static_cast<double>(mask.total())) continue;
+    part.boxes = split_into_boxes(part.mask);
+    if (!part.boxes.empty()) out.push_back(std::move(part));
   }
   return out;
+}
+
+cv::Mat1b find_background(const BoxPart& part, const cv::Mat3b& image, const BoxSeeds& seeds) {
+  const BoxSeeds within{seeds.object(part.area), seeds.background(part.area), seeds.ground(part.area)};
+  if (cv::countNonZero(within.object & part.mask) < kBoxMasks.min_seeds) return {part.mask.size(), uchar{0}};
+  const int margin_px = std::max(1, cvRound(kBoxMasks.margin_share * image.cols));
+  const cv::Mat1b kept = find_boxes_without_objects(part.mask, part.boxes, within.object);
+  return cv::Mat1b(part.mask & ~kept & ~cut_out_objects(image(part.area).clone(), part.mask, within, margin_px));
 }
 
 }  // namespace dvi::objects

@@ -17,8 +17,19 @@ struct BoxSeeds {
   cv::Mat1b ground;  ///< on the ground below and beside objects, which their shadows may cover
 };
 
-/// Returns the parts of a mask that consist of bounding boxes but show the background (255). Objects are separated from it by
-/// GrabCut (Rother et al., 2004), which starts from the seeds. Boxes without seeds of objects remain as they are.
-cv::Mat1b find_background_in_boxes(const cv::Mat3b& image, const cv::Mat1b& mask, const BoxSeeds& seeds);
+/// A connected part of a mask that consists of bounding boxes.
+struct BoxPart {
+  cv::Rect area;                ///< in the image: the part and its surroundings
+  cv::Mat1b mask;               ///< of the area: 255 in the part
+  std::vector<cv::Rect> boxes;  ///< in the area
+};
+
+/// Returns the parts of a mask that consist of bounding boxes.
+std::vector<BoxPart> find_box_parts(const cv::Mat1b& mask);
+
+/// Returns the pixels of a part that show the background: 255, in the area of the part. Objects are separated from it by
+/// GrabCut (Rother et al., 2004), which starts from the seeds, those of the whole image. Boxes without seeds of objects are
+/// objects as a whole.
+cv::Mat1b find_background(const BoxPart& part, const cv::Mat3b& image, const BoxSeeds& seeds);
 
 }  // namespace dvi::objects

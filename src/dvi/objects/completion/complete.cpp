@@ -1,6 +1,8 @@
 #include "dvi/objects/completion/complete.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
@@ -32,7 +34,10 @@ struct CompletionParams {
   int min_border_px = 3;             ///< deviation of masks from the true outline
   double ground_m = 0.2;             ///< height above the ground up to which returns are on the ground
   int shadow_columns = 4;            ///< columns around an object whose ground its shadow may cover: 1 m
-  double top_margin_m = 0.3;         ///< returns this far above an object are behind it
+  /// Time to the scans that show whether something moves.
+  std::array<double, 4> compared_s{-1, -0.5, 0.5, 1};
+  float max_parallax_px = 12;  ///< distance to an object in the image up to which it may hide a return from the camera
+  double top_margin_m = 0.3;   ///< returns this far above an object are behind it
 };
 constexpr CompletionParams kCompletion;
 
@@ -93,6 +98,29 @@ cv::Rect enlarge(const cv::Rect& rect, int border_px, cv::Size image) {
   return cv::Rect(rect.x - border_px, rect.y - border_px, rect.width + 2 * border_px, rect.height + 2 * border_px) &
          cv::Rect({}, image);
 }
+
+// Finds the nearest of the pixels that are 255 in an image.
+class NearestSeed {
+ public:
+  explicit NearestSeed(const cv::Mat1b& seeds) {
+    if (cv::countNonZero(seeds) == 0) return;
+    cv::distanceTransform(cv::Mat1b(~seeds), distance_px_, label_, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
+    pixels_.resize(static_cast<std::size_t>(cv::countNonZero(seeds)) + 1);
+    for (int y = 0; y < seeds.rows; ++y)
+      for (int x = 0; x < seeds.cols; ++x)
+        if (seeds(y, x) != 0) pixels_[static_cast<std::size_t>(label_(y, x))] = {x, y};
+  }
+
+  std::optional<cv::Point> find(cv::Point pixel, float max_distance_px) const {
+    if (pixels_.empty() || distance_px_(pixel) > max_distance_px) return std::nullopt;
+    return pixels_[static_cast<std::size_t>(label_(pixel))];
+  }
+
+ private:
+  cv::Mat1f distance_px_;
+  cv::Mat1i label_;
+  std::vector<cv::Point> pixels_;  // by label
+};
 
 // Returns the part of an object that a mask lacks, without the deviations at the border of the mask.
 cv::Mat1b find_uncovered(const cv::Mat1b& object, const cv::Mat1b& mask, int border_px) {
@@ -168,29 +196,26 @@ class CompletedObjects::FrameDrawing {
     };
     add_columns(occupied, 1);
     for (const ObjectColumns& columns : moving) add_columns(columns, kCompletion.max_covered_share);
-    if (box) add(draw_box(*box), (camera_from_world_ * box->frame_from_box.t).z(), 1);
+    if (box) {
+      const cv::Mat1b drawn = draw_box(*box);
+      add(drawn, (camera_from_world_ * box->frame_from_box.t).z(), 1);
+      boxed_ = boxed_.empty() ? drawn : cv::Mat1b(boxed_ | drawn);
+    }
     add_label(number, type, lacking, completed);
     add_label(number, type, covered, shown);
   }
 
-  // Returns the background that bounding boxes of the mask cover, once all objects are drawn.
-  cv::Mat1b find_background(std::size_t frame, const cv::Mat1b& mask, const Trajectory& world_from_lidar) const {
-    if (drawn_.empty() || cv::countNonZero(mask) == 0) return {};
-    BoxSeeds seeds{cv::Mat1b(mask.size(), uchar{0}), cv::Mat1b(mask.size(), uchar{0}), cv::Mat1b(mask.size(), uchar{0})};
-    const SE3 world_from_camera = camera_from_world_.inverse();
-    for (const ImageReturn& r : project_returns(drive_, frame, world_from_lidar)) {
-      const cv::Point pixel(cvRound(r[0]), cvRound(r[1]));
-      const Eigen::Vector3d world = world_from_camera * (static_cast<double>(r[2]) * drive_.camera.ray({r[0], r[1]}));
-      const double ground_m = all_.ground_.height(world.head<2>()).value_or(-std::numeric_limits<double>::infinity());
-      const bool is_ground = world.z() < ground_m + kCompletion.ground_m;
-      const std::optional<double> top_m = drawn_.top_near(world.head<2>(), is_ground ? kCompletion.shadow_columns : 1);
-      cv::Mat1b& kind = !top_m                                          ? seeds.background
-                        : is_ground                                     ? seeds.ground
-                        : world.z() < *top_m + kCompletion.top_margin_m ? seeds.object
-                                                                        : seeds.background;
-      kind(pixel) = 255;
-    }
-    return find_background_in_boxes(*drive_.images[frame], mask, seeds);
+  // Returns the background that bounding boxes of a mask cover, once all objects are drawn.
+  cv::Mat1b find_covered_background(std::size_t frame, const cv::Mat1b& mask, const Trajectory& world_from_lidar) const {
+    cv::Mat1b out(mask.size(), uchar{0});
+    if (drawn_.empty() || !scan_) return out;
+    const std::vector<BoxPart> parts = find_box_parts(mask);
+    if (parts.empty()) return out;
+    const BoxSeeds seeds = find_seeds(project_returns(drive_, frame, world_from_lidar));
+    const auto image = drive_.images[frame];
+    for (const BoxPart& part : parts) find_background(part, *image, seeds).copyTo(out(part.area), part.mask);
+    if (!boxed_.empty()) out.setTo(0, boxed_);
+    return out;
   }
 
  private:
@@ -215,6 +240,65 @@ class CompletedObjects::FrameDrawing {
     if (!space_ || !space_->valid()) return true;
     const FreeSpace::Seen seen = space_->judge(voxel.center(), kJudgedRadiusM);
     return seen != FreeSpace::Seen::passed && seen != FreeSpace::Seen::hidden;
+  }
+
+  enum class Kind { object, ground, background };
+
+  Kind classify(const Eigen::Vector3d& world) const {
+    const std::optional<double> ground_m = all_.ground_.height(world.head<2>());
+    if (ground_m && world.z() < *ground_m + kCompletion.ground_m)
+      return drawn_.top_near(world.head<2>(), kCompletion.shadow_columns) ? Kind::ground : Kind::background;
+    const std::optional<double> top_m = drawn_.top_near(world.head<2>(), 1);
+    const bool is_object = top_m ? world.z() < *top_m + kCompletion.top_margin_m : is_free_at_other_times(world);
+    return is_object ? Kind::object : Kind::background;
+  }
+
+  // Sorts the returns of the scan, which are in the image, into objects and background. The scanner sees past the edges of
+  // objects at other pixels than the camera, so that returns behind an object count where their rays pass beside it.
+  BoxSeeds find_seeds(const std::vector<ImageReturn>& returns) const {
+    const cv::Size size(drive_.camera.width, drive_.camera.height);
+    BoxSeeds seeds{cv::Mat1b(size, uchar{0}), cv::Mat1b(size, uchar{0}), cv::Mat1b(size, uchar{0})};
+    cv::Mat1f object_m(size, 0.F);
+    std::vector<Eigen::Vector3d> behind;
+    const SE3 world_from_camera = camera_from_world_.inverse();
+    for (const ImageReturn& r : returns) {
+      const cv::Point pixel(cvRound(r[0]), cvRound(r[1]));
+      const Eigen::Vector3d in_camera = static_cast<double>(r[2]) * drive_.camera.ray({r[0], r[1]});
+      switch (classify(world_from_camera * in_camera)) {
+        case Kind::object:
+          seeds.object(pixel) = 255;
+          object_m(pixel) = r[2];
+          break;
+        case Kind::ground:
+          seeds.ground(pixel) = 255;
+          break;
+        case Kind::background:
+          behind.push_back(in_camera);
+          break;
+      }
+    }
+    const NearestSeed nearest(seeds.object);
+    const Eigen::Vector3d scanner = camera_from_world_ * space_->sensor();
+    for (const Eigen::Vector3d& x : behind) {
+      const Eigen::Vector2d at = drive_.camera.project(x);
+      Eigen::Vector3d beside = x;
+      if (const auto object = nearest.find({cvRound(at.x()), cvRound(at.y())}, kCompletion.max_parallax_px)) {
+        const double share = (object_m(*object) - scanner.z()) / (x.z() - scanner.z());
+        if (share > 0 && share < 1) beside = scanner + share * (x - scanner);
+      }
+      const Eigen::Vector2d pixel = drive_.camera.project(beside);
+      if (drive_.camera.contains(pixel)) seeds.background(cvRound(pixel.y()), cvRound(pixel.x())) = 255;
+    }
+    return seeds;
+  }
+
+  // Returns whether a scan shortly before or after observes a position as free.
+  bool is_free_at_other_times(const Eigen::Vector3d& world) const {
+    return std::any_of(kCompletion.compared_s.begin(), kCompletion.compared_s.end(), [&](double offset_s) {
+      const auto scan = all_.returns_.find_scan(time_ns_ + std::llround(1e9 * offset_s));
+      return scan && all_.returns_.is_trusted(*scan) &&
+             all_.returns_.free_space(*scan)->judge(world, kJudgedRadiusM) == FreeSpace::Seen::passed;
+    });
   }
 
   // Returns whether an object at a position covers more than a few pixels.
@@ -252,20 +336,22 @@ class CompletedObjects::FrameDrawing {
   Eigen::Vector3d camera_in_world_;
   std::optional<std::size_t> scan_;  // taken with the frame
   std::shared_ptr<const FreeSpace> space_;
-  ObjectColumns drawn_;
+  ObjectColumns drawn_;  // the objects, as far as scans show them
+  cv::Mat1b boxed_;      // the objects with labeled 3D boxes
 };
 
-ObjectOutlines CompletedObjects::draw(const CameraEvidence& camera, const Lazy<cv::Mat1b>& masks) const {
+ObjectOutlines CompletedObjects::draw(const CameraMaskEvidence& evidence) const {
+  const CameraEvidence& camera = evidence.camera;
   const std::size_t frames = camera.drive.frames.size();
   ObjectOutlines out{FrameLabels(frames), FrameLabels(frames), FrameLabels(frames)};
   parallel_in_order(frames, [&](std::size_t i) {
     const std::optional<SE3> pose = camera.world_from_lidar.at(camera.drive.frames[i].time_ns);
     if (!pose) return;
     FrameDrawing drawing(*this, camera, i, *pose);
-    const auto mask = masks[i];
+    const auto mask = evidence.removed[i];
     for (const auto& [number, object] : objects_) drawing.draw(number, object, *mask, out.completed[i], out.shown[i]);
-    const cv::Mat1b background = drawing.find_background(i, *mask, camera.world_from_lidar);
-    if (background.empty() || cv::countNonZero(background) == 0) return;
+    const cv::Mat1b background = drawing.find_covered_background(i, *evidence.masks[i], camera.world_from_lidar);
+    if (cv::countNonZero(background) == 0) return;
     out.background[i].emplace_back();
     out.background[i].back().instance = to_outline(background);
   });

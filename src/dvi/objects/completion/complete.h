@@ -49,9 +49,9 @@ class CompletedObjects {
   /// (object_space.h), and the moving objects among the tracks. Calls `tick` once per scan.
   CompletedObjects(const CompletionInput& input, const Tick& tick);
 
-  /// Draws the objects into the frames of a camera of the drive, whose masks are per frame. The border of a mask counts as
-  /// covered, so that correct masks remain as they are.
-  ObjectOutlines draw(const CameraEvidence& camera, const Lazy<cv::Mat1b>& masks) const;
+  /// Draws the objects into the frames of a camera of the drive. The border of a mask counts as covered, so that correct masks
+  /// remain as they are.
+  ObjectOutlines draw(const CameraMaskEvidence& evidence) const;
 
   /// Returns the motion of the objects, by number.
   std::vector<ObjectMotion> motions() const;

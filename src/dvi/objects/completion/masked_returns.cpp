@@ -12,6 +12,7 @@
 #include "dvi/drive/removed_at.h"
 #include "dvi/image/region.h"
 #include "dvi/objects/clusters.h"
+#include "dvi/objects/completion/box_masks.h"
 
 namespace dvi::objects {
 namespace {
@@ -24,6 +25,7 @@ struct MaskVoteParams {
   double box_margin_m = 0.1;        ///< error of 3D boxes
   int strip_px = 8;                 ///< width of the vertical strips of a mask in which its nearest returns are searched
   double max_object_depth_m = 1.5;  ///< a return this far behind the nearest one of its strip may be behind the object
+  double min_box_share = 0.5;       ///< width and height of an object, relative to its bounding box; its windows return little
   int boundary_px = 3;              ///< beside a mask, a return may belong to the object: masks and poses have errors
 };
 constexpr MaskVoteParams kMaskVoting;
@@ -41,43 +43,65 @@ class MaskedThings {
       if (!pixels_[i]) continue;
       Counts& counts = things_[thing_[i]];
       ++counts.visible;
-      if (const int part = image.part(*pixels_[i]); part > 0) {
-        ++counts.masked;
-        add_to_part(part, i);
-      }
+      if (!image.is_masked(*pixels_[i])) continue;
+      ++counts.masked;
+      for (const int region : image.regions_at(*pixels_[i])) add_to_region(region, i);
     }
+    for (auto& [region, things] : of_region_) find_boxed_thing(region, things);
   }
 
   MaskVote vote(std::size_t i) const {
     if (!pixels_[i]) return MaskVote::unseen;
     if (is_boxed(i)) return MaskVote::object;
-    const int part = image_.part(*pixels_[i]);
     const Counts& counts = things_.at(thing_[i]);
     const bool is_object = counts.masked >= kMaskVoting.min_object_share * counts.visible;
-    const bool is_touched = counts.masked >= kMaskVoting.min_touching_share * counts.visible;
-    if (part == 0) return is_object || near_(*pixels_[i]) != 0 ? MaskVote::unclear : MaskVote::background;
+    if (!image_.is_masked(*pixels_[i])) return is_object || near_(*pixels_[i]) != 0 ? MaskVote::unclear : MaskVote::background;
     if (image_.is_behind(returns_.points[i], *pixels_[i])) return MaskVote::unclear;
-    return is_object || (is_touched && dominates(part, thing_[i])) ? MaskVote::object : MaskVote::unclear;
+    const bool is_touched = counts.masked >= kMaskVoting.min_touching_share * counts.visible;
+    const std::vector<int> regions = image_.regions_at(*pixels_[i]);
+    const auto shows = [&](int region) {
+      if (image_.box_of(region)) return is_touched && of_region_.at(region).boxed_thing == thing_[i];
+      return is_object || (is_touched && dominates(region, thing_[i]));
+    };
+    return std::any_of(regions.begin(), regions.end(), shows) ? MaskVote::object : MaskVote::unclear;
   }
 
  private:
   struct Counts {
     double visible = 0, masked = 0;
   };
-  // The returns of a connected part of the mask.
-  struct Part {
-    std::map<int, double> returns;  // by thing
-    double all = 0;
+  // A thing in a region of the mask.
+  struct Extent {
+    double returns = 0;
     double nearest_m = std::numeric_limits<double>::max();
-    int nearest_thing = -1;
+    cv::Rect box;  // of its returns in the image
+  };
+  struct Region {
+    std::map<int, Extent> things;
+    double returns = 0;
+    int boxed_thing = -1;  // the object that a bounding box shows
   };
 
-  void add_to_part(int part, std::size_t i) {
-    Part& p = of_part_[part];
-    ++p.returns[thing_[i]];
-    ++p.all;
-    const double depth_m = (image_.frame().camera_from_world * returns_.points[i]).z();
-    if (depth_m < p.nearest_m) p.nearest_m = depth_m, p.nearest_thing = thing_[i];
+  void add_to_region(int region, std::size_t i) {
+    Region& r = of_region_[region];
+    Extent& extent = r.things[thing_[i]];
+    ++r.returns;
+    ++extent.returns;
+    extent.nearest_m = std::min(extent.nearest_m, (image_.frame().camera_from_world * returns_.points[i]).z());
+    extent.box |= cv::Rect(*pixels_[i], cv::Size(1, 1));
+  }
+
+  // Finds the nearest thing that extends over most of a bounding box.
+  void find_boxed_thing(int region, Region& things) const {
+    const std::optional<cv::Rect> box = image_.box_of(region);
+    if (!box) return;
+    double nearest_m = std::numeric_limits<double>::max();
+    for (const auto& [thing, extent] : things.things) {
+      if (extent.box.width < kMaskVoting.min_box_share * box->width || extent.nearest_m >= nearest_m) continue;
+      if (extent.box.height < kMaskVoting.min_box_share * box->height) continue;
+      nearest_m = extent.nearest_m;
+      things.boxed_thing = thing;
+    }
   }
 
   bool is_boxed(std::size_t i) const {
@@ -85,9 +109,12 @@ class MaskedThings {
     return is_in_any_box(*frame.labels, frame.lidar_from_world * returns_.points[i], kMaskVoting.box_margin_m);
   }
 
-  bool dominates(int part, int thing) const {
-    const Part& p = of_part_.at(part);
-    return p.nearest_thing == thing && p.returns.at(thing) >= kMaskVoting.min_dominant_share * p.all;
+  bool dominates(int region, int thing) const {
+    const Region& r = of_region_.at(region);
+    const Extent& own = r.things.at(thing);
+    const bool is_nearest = std::all_of(r.things.begin(), r.things.end(),
+                                        [&](const auto& other) { return other.second.nearest_m >= own.nearest_m; });
+    return is_nearest && own.returns >= kMaskVoting.min_dominant_share * r.returns;
   }
 
   const MaskedSurfaces& image_;
@@ -96,33 +123,60 @@ class MaskedThings {
   std::vector<std::optional<cv::Point>> pixels_;
   cv::Mat1b near_;
   std::map<int, Counts> things_;
-  std::map<int, Part> of_part_;
+  std::map<int, Region> of_region_;
 };
 
 }  // namespace
 
 MaskedSurfaces::MaskedSurfaces(MaskedFrame frame, const std::vector<Eigen::Vector3d>& returns) : frame_(std::move(frame)) {
-  cv::connectedComponents(*frame_.mask, parts_, 8, CV_32S);
+  int regions = cv::connectedComponents(*frame_.mask, parts_, 8, CV_32S);  // a region per part, then those of the boxes
+  boxes_.resize(static_cast<std::size_t>(regions));
+  for (std::size_t part = 1; part < boxes_.size(); ++part)
+    for (const cv::Rect& box : split_into_boxes(cv::Mat1b(parts_ == static_cast<int>(part)))) {
+      box_of_.emplace(regions, box);
+      boxes_[part].emplace_back(regions++, box);
+    }
   for (const Eigen::Vector3d& world : returns) {
     const auto pixel = frame_.project(world);
-    if (!pixel || part(*pixel) == 0) continue;
-    double& nearest_m =
-        nearest_m_.try_emplace({part(*pixel), strip_of(*pixel)}, std::numeric_limits<double>::max()).first->second;
-    nearest_m = std::min(nearest_m, depth_m(world));
+    if (!pixel) continue;
+    for (const int region : regions_at(*pixel)) {
+      double& nearest_m = nearest_m_.try_emplace({region, strip_of(*pixel)}, std::numeric_limits<double>::max()).first->second;
+      nearest_m = std::min(nearest_m, depth_m(world));
+    }
   }
 }
 
-bool MaskedSurfaces::is_behind(const Eigen::Vector3d& world, cv::Point pixel) const {
-  const auto nearest = nearest_m_.find({part(pixel), strip_of(pixel)});
+std::vector<int> MaskedSurfaces::regions_at(cv::Point pixel) const {
+  std::vector<int> out;
+  const int part = parts_(pixel);
+  if (part == 0) return out;
+  for (const auto& [region, box] : boxes_[static_cast<std::size_t>(part)])
+    if (box.contains(pixel)) out.push_back(region);
+  if (out.empty()) out.push_back(part);
+  return out;
+}
+
+std::optional<cv::Rect> MaskedSurfaces::box_of(int region) const {
+  const auto found = box_of_.find(region);
+  return found == box_of_.end() ? std::nullopt : std::optional(found->second);
+}
+
+bool MaskedSurfaces::is_behind(const Eigen::Vector3d& world, cv::Point pixel, int region) const {
+  const auto nearest = nearest_m_.find({region, strip_of(pixel)});
   return nearest != nearest_m_.end() && depth_m(world) > nearest->second + kMaskVoting.max_object_depth_m;
+}
+
+bool MaskedSurfaces::is_behind(const Eigen::Vector3d& world, cv::Point pixel) const {
+  const std::vector<int> regions = regions_at(pixel);
+  return std::all_of(regions.begin(), regions.end(), [&](int region) { return is_behind(world, pixel, region); });
 }
 
 std::optional<bool> MaskedSurfaces::shows_masked(const Eigen::Vector3d& world) const {
   const auto pixel = frame_.project(world);
   if (!pixel) return std::nullopt;
   if (is_in_any_box(*frame_.labels, frame_.lidar_from_world * world, kMaskVoting.box_margin_m)) return true;
-  if (part(*pixel) > 0 && is_behind(world, *pixel)) return std::nullopt;
-  return part(*pixel) > 0;
+  if (is_masked(*pixel) && is_behind(world, *pixel)) return std::nullopt;
+  return is_masked(*pixel);
 }
 
 std::optional<cv::Point> MaskedFrame::project(const Eigen::Vector3d& world) const {

@@ -43,18 +43,25 @@ struct MaskedFrame {
 /// that time.
 std::optional<MaskedFrame> find_masked_frame(const CameraMaskEvidence& evidence, std::int64_t time_ns);
 
-/// The nearest surfaces in the masked parts of an image.
+/// The nearest surfaces in the regions of a mask. A region is a connected part of the mask or, if bounding boxes form the part,
+/// one of the boxes, which may overlap.
 class MaskedSurfaces {
  public:
   /// `returns` are those of the scan taken with the frame, world axes.
   MaskedSurfaces(MaskedFrame frame, const std::vector<Eigen::Vector3d>& returns);
 
   const MaskedFrame& frame() const { return frame_; }
-  /// Returns the number of the connected part of the mask at a pixel, 0 outside the mask.
-  int part(cv::Point pixel) const { return parts_(pixel); }
-  /// Returns whether a point in world axes, which is a return, lies behind another one in the same part of the mask, at the
-  /// same column of the image. `pixel` is its projection into a part of the mask.
+  /// Returns whether the mask shows a pixel.
+  bool is_masked(cv::Point pixel) const { return parts_(pixel) > 0; }
+  /// Returns the numbers of the regions at a pixel; none outside the mask.
+  std::vector<int> regions_at(cv::Point pixel) const;
+  /// Returns the bounding box that is a region; nothing if the region has another shape.
+  std::optional<cv::Rect> box_of(int region) const;
+  /// Returns whether a point in world axes, which is a return, lies behind other ones in all regions at its pixel, at the same
+  /// column of the image. `pixel` is its projection into the mask.
   bool is_behind(const Eigen::Vector3d& world, cv::Point pixel) const;
+  /// Does the same for one region.
+  bool is_behind(const Eigen::Vector3d& world, cv::Point pixel, int region) const;
   /// Returns whether the mask shows a point in world axes; nothing if it is outside the image, or masked but behind another
   /// return (is_behind()).
   std::optional<bool> shows_masked(const Eigen::Vector3d& world) const;
@@ -64,14 +71,18 @@ class MaskedSurfaces {
 
   MaskedFrame frame_;
   cv::Mat1i parts_;
-  std::map<std::pair<int, int>, double> nearest_m_;  // depth by part and strip
+  std::vector<std::vector<std::pair<int, cv::Rect>>> boxes_;  // per part: the regions and their boxes; none: another shape
+  std::map<int, cv::Rect> box_of_;                            // by region
+  std::map<std::pair<int, int>, double> nearest_m_;           // depth by region and strip
 };
 
 /// Determines which returns of a scan belong to removed objects: those in their 3D boxes, and those in masks. Returns are
 /// grouped to things by their distances, seen from above. A thing that is masked almost completely is an object, unless another
 /// thing hides it in the image: a LiDAR on the roof observes returns above cars. If a mask covers a part of a thing, as a loose
 /// mask covers a part of the hedge beside a car, then this part belongs to the object if it is the nearest thing in the mask,
-/// most of its returns, and not a small part of the thing. `time_ns` is the time of the scan. Returns one vote per return.
+/// most of its returns, and not a small part of the thing. In a bounding box, only the nearest thing that extends over half of
+/// the box is an object, because boxes also cover what is beside and behind their objects. `time_ns` is the time of the scan.
+/// Returns one vote per return.
 std::vector<MaskVote> vote_by_masks(const std::vector<CameraMaskEvidence>& cameras, const ObstacleReturns& returns,
                                     std::int64_t time_ns);
 

@@ -80,6 +80,19 @@ TEST(MaskedReturns, AreObjectsIfTheirThingIsMasked) {
   EXPECT_EQ(count_votes(image.vote(kMaskedCar), MaskVote::object), count_points(kMaskedCar));
 }
 
+TEST(MaskedReturns, InABoundingBoxAreObjectsOnlyOfTheNearestThing) {
+  MaskedImage image;
+  const Points behind = make_board(20, 1.5, 2.2, 1.5);  // beside the car in the image, in the corner of its box
+  Points all = kMaskedCar;
+  all.insert(all.end(), behind.begin(), behind.end());
+  image.add_mask(kMaskedCar, 0);
+  image.add_mask(behind, 0);
+  image.mask(cv::boundingRect(image.mask)) = 255;
+  const std::vector<MaskVote> votes = image.vote(all);
+  EXPECT_EQ(count_votes(votes, MaskVote::object, 0, kMaskedCar.size()), count_points(kMaskedCar));
+  EXPECT_EQ(count_votes(votes, MaskVote::unclear, kMaskedCar.size(), all.size()), count_points(behind));
+}
+
 TEST(MaskedReturns, AreObjectsAlsoIfTheMaskLacksAPart) {
   MaskedImage image;
   image.add_mask(make_board(10, -1, 0.5, 1.5), 0);

@@ -1,0 +1,121 @@
+#include "dvi/objects/completion/box_masks.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "dvi/core/random.h"
+#include "dvi/image/region.h"
+
+namespace dvi::objects {
+namespace {
+
+cv::Mat1b draw_boxes(const std::vector<cv::Rect>& boxes) {
+  cv::Mat1b mask(120, 200, uchar{0});
+  for (const cv::Rect& box : boxes) mask(box) = 255;
+  return mask;
+}
+
+void expect_same(std::vector<cv::Rect> a, std::vector<cv::Rect> b) {
+  const auto before = [](const cv::Rect& x, const cv::Rect& y) { return x.x < y.x; };
+  std::sort(a.begin(), a.end(), before);
+  std::sort(b.begin(), b.end(), before);
+  EXPECT_EQ(a, b);
+}
+
+TEST(BoxMasks, AreSplitIntoTheirBoxes) {
+  const std::vector<std::vector<cv::Rect>> cases{{{20, 30, 60, 40}},
+                                                 {{20, 30, 60, 40}, {60, 50, 70, 50}},
+                                                 {{20, 30, 100, 20}, {50, 10, 20, 90}},
+                                                 {{0, 0, 50, 60}, {30, 40, 60, 79}, {80, 20, 119, 40}}};
+  for (const std::vector<cv::Rect>& boxes : cases) expect_same(split_into_boxes(draw_boxes(boxes)), boxes);
+}
+
+TEST(BoxMasks, AreRecognizedIfTheyAreDilated) {
+  const std::vector<cv::Rect> found = split_into_boxes(grown(draw_boxes({{30, 30, 80, 50}}), 7));
+  ASSERT_FALSE(found.empty());
+  EXPECT_GE(found.front().area(), 80 * 50);
+}
+
+TEST(BoxMasks, AreNotFoundInSilhouettes) {
+  cv::Mat1b mask(120, 200, uchar{0});
+  EXPECT_TRUE(split_into_boxes(mask).empty());
+  cv::ellipse(mask, {100, 60}, {60, 35}, 0, 0, 360, 255, cv::FILLED);
+  EXPECT_TRUE(split_into_boxes(mask).empty());
+  cv::rectangle(mask, {60, 60, 80, 40}, 255, cv::FILLED);  // the body of a vehicle under a round roof
+  EXPECT_TRUE(split_into_boxes(mask).empty());
+  EXPECT_TRUE(split_into_boxes(draw_boxes({{50, 50, 5, 5}})).empty()) << "too small for a decision";
+}
+
+// A textured gray scene with a red disk, which a box masks, and the returns of a scan every few pixels.
+struct DiskInBox {
+  cv::Mat3b image = cv::Mat3b(120, 200);
+  cv::Mat1b disk = cv::Mat1b(120, 200, uchar{0});
+  cv::Mat1b mask = draw_boxes({{60, 20, 80, 80}});
+  BoxSeeds seeds{cv::Mat1b(120, 200, uchar{0}), cv::Mat1b(120, 200, uchar{0}), cv::Mat1b(120, 200, uchar{0})};
+
+  DiskInBox() {
+    cv::circle(disk, {100, 60}, 35, 255, cv::FILLED);
+    Random random(1);
+    for (int y = 0; y < image.rows; ++y)
+      for (int x = 0; x < image.cols; ++x) {
+        const auto level = static_cast<uchar>(110 + 10 * random.normal());
+        image(y, x) = disk(y, x) != 0 ? cv::Vec3b(30, 30, level) : cv::Vec3b::all(level);
+        if (y % 4 == 0 && x % 3 == 0) (disk(y, x) != 0 ? seeds.object : seeds.background)(y, x) = 255;
+      }
+  }
+};
+
+cv::Mat1b find_background_in_boxes(const DiskInBox& scene, const BoxSeeds& seeds) {
+  cv::Mat1b out(scene.mask.size(), uchar{0});
+  for (const BoxPart& part : find_box_parts(scene.mask))
+    find_background(part, scene.image, seeds).copyTo(out(part.area), part.mask);
+  return out;
+}
+
+TEST(BoxMasks, AreReducedToTheObjectsInThem) {
+  const DiskInBox scene;
+  const cv::Mat1b background = find_background_in_boxes(scene, scene.seeds);
+  EXPECT_EQ(cv::countNonZero(background & scene.disk), 0);
+  EXPECT_EQ(cv::countNonZero(background & ~scene.mask), 0);
+  const cv::Mat1b beside(scene.mask & ~grown(scene.disk, 3));
+  EXPECT_EQ(cv::countNonZero(beside & ~background), 0);
+}
+
+TEST(BoxMasks, RemainWithoutReturns) {
+  DiskInBox scene;
+  const cv::Mat1b none(scene.mask.size(), uchar{0});
+  EXPECT_EQ(cv::countNonZero(find_background_in_boxes(scene, {none, scene.seeds.background, none})), 0)
+      << "no return on the object";
+  EXPECT_EQ(cv::countNonZero(find_background_in_boxes(scene, {scene.seeds.object, none, none})), 0)
+      << "no return on the background";
+  EXPECT_TRUE(find_box_parts(none).empty());
+}
+
+TEST(BoxMasks, RemainWhereABoxHasNoReturnsOfItsOwnObject) {
+  DiskInBox scene;
+  const cv::Rect other(130, 60, 50, 50);  // overlaps the box of the disk
+  scene.mask(other) = 255;
+  const cv::Mat1b background = find_background_in_boxes(scene, scene.seeds);
+  cv::Mat1b own(scene.mask.size(), uchar{0});
+  own(other) = 255;
+  own(cv::Rect(60, 20, 80, 80)) = 0;
+  EXPECT_EQ(cv::countNonZero(background & own), 0);
+  EXPECT_GT(cv::countNonZero(background), 1000) << "the box of the disk is reduced";
+}
+
+TEST(BoxMasks, KeepTheGroundBesideTheirObjects) {
+  DiskInBox scene;
+  for (int y = 84; y < 100; y += 4)
+    for (int x = 60; x < 140; x += 3)
+      if (scene.seeds.background(y, x) != 0) scene.seeds.ground(y, x) = 255, scene.seeds.background(y, x) = 0;
+  const cv::Mat1b background = find_background_in_boxes(scene, scene.seeds);
+  EXPECT_EQ(cv::countNonZero(background(cv::Rect(62, 88, 76, 10))), 0);
+  EXPECT_GT(cv::countNonZero(background(cv::Rect(60, 20, 20, 20))), 100);
+}
+
+}  // namespace
+}  // namespace dvi::objects
