@@ -47,7 +47,7 @@ TEST_F(CommandLine, UsageErrorsHaveExitCode2) {
                                 "run drive -o out --poses loam-of-tomorrow --set x",
                                 "run drive -o out --config missing.toml",
                                 "synth",
-                                "eval out",
+                                "eval out --ignore i",
                                 "eval out --truth t --external net",
                                 "synth -o s --frames none"}) {
     const Result result = dvi(arguments);

@@ -46,6 +46,7 @@ dvi audit own one
 dvi audit both one two
 for format in colmap nerfstudio ply las mcap video; do dvi export $format both -o "export-$format"; done
 dvi eval own --truth one/truth --external other=flow/frames --json
+dvi eval own --labels one/boxes.json
 dvi report own --truth one/truth
 dvi inspect own 0 20 20 --json -o crops
 dvi holdout one -o case

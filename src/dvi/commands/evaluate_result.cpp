@@ -16,7 +16,6 @@
 #include "dvi/inputs/recordings.h"
 #include "dvi/inputs/rig.h"
 #include "dvi/job/job.h"
-#include "dvi/labels/class_ids.h"
 #include "dvi/labels/labels.h"
 #include "dvi/objects/completion/labeled_boxes.h"
 
@@ -26,29 +25,28 @@ namespace {
 // What ghosts are counted in, or the reason why they cannot be counted.
 using SceneOrReason = std::variant<metrics::GhostScene, std::string>;
 
-// Whether the run removed labeled objects, or selected their classes.
-bool uses_label_file(const job::MasksFrom& masks) {
-  return masks.kind == job::MasksFrom::Kind::path && (!fs::is_directory(masks.path) || labels::is_label_folder(masks.path));
+// Determines how the drive of a run is read for its labels.
+job::ReadChoice choose_labels(job::ReadChoice choice, const fs::path& labels) {
+  using Kind = job::MasksFrom::Kind;
+  const bool reads_mask_folder =
+      choice.masks.kind == Kind::path && fs::is_directory(choice.masks.path) && !labels::is_label_folder(choice.masks.path);
+  if (!labels.empty() || choice.masks.kind == Kind::found || reads_mask_folder) {
+    choice.masks = labels.empty() ? job::MasksFrom{} : job::MasksFrom{Kind::path, labels.string()};
+    choice.mask_files.classes.clear();
+  }
+  if (choice.mask_files.polarity == labels::Polarity::automatic)
+    choice.mask_files.polarity = labels::Polarity::white;  // masks are not used
+  choice.detector.clear();
+  choice.ego_mask.clear();
+  choice.poses = {};
+  return choice;
 }
 
-// Opens the target of a run and its cameras, with labels.
+// Opens the target of a run and its cameras, with labels if there are any.
 inputs::Recordings open_labeled(job::Job job, const fs::path& labels, Progress& progress) {
-  const bool has_label_file = uses_label_file(job.read.masks);
-  const std::string classes = std::exchange(job.read.mask_files.classes, "");
-  const bool selects_labels =
-      labels.empty() && !classes.empty() && (has_label_file || job.read.masks.kind == job::MasksFrom::Kind::labels);
   job.sources.clear();
-  job.read.detector.clear();
-  job.read.ego_mask.clear();
-  job.read.poses = {};
-  if (!labels.empty())
-    job.read.masks = {job::MasksFrom::Kind::path, labels.string()};
-  else if (!has_label_file)
-    job.read.masks = {job::MasksFrom::Kind::labels};
-  inputs::Recordings drives = inputs::open_recordings(job, inputs::MaskNeed::optional, progress);
-  Drive& target = drives.front().drive;
-  if (selects_labels || (labels.empty() && !classes.empty() && target.masks.empty())) labels::keep_label_types(target, classes);
-  return inputs::add_other_cameras(std::move(drives), job, progress);
+  job.read = choose_labels(job.read, labels);
+  return inputs::add_other_cameras(inputs::open_recordings(job, inputs::MaskNeed::optional, progress), job, progress);
 }
 
 std::vector<metrics::StationaryObject> find_stationary_objects(const Drive& drive, const Trajectory& world_from_lidar) {
@@ -63,7 +61,7 @@ metrics::GhostScene make_scene(const fs::path& out, const inputs::Recordings& dr
   const Trajectory world_from_lidar = datasets::read_poses(out / "map/poses.txt", drives.front().drive);
   metrics::GhostScene scene;
   scene.objects = find_stationary_objects(drives.front().drive, world_from_lidar);
-  std::map<std::pair<std::string, std::string>, metrics::PosedCamera> cameras;  // by camera and frame
+  std::map<std::pair<std::string, std::string>, metrics::GhostSource> cameras;  // by camera and frame
   for (const inputs::Recording& recording : drives)
     for (const Frame& frame : recording.drive.frames)
       if (const std::optional<SE3> pose = world_from_lidar.at(frame.time_ns))
@@ -96,6 +94,8 @@ SceneOrReason find_scene(const fs::path& out, const fs::path& labels, Progress& 
   const inputs::Recordings drives = open_labeled(job, labels, progress);
   metrics::GhostScene scene = make_scene(out, drives);
   const Drive& target = drives.front().drive;
+  if (!target.has_labels())
+    return fmt::format("{} has no labels; give --labels FILE with 3D boxes and tracks", target.path.filename().string());
   if (scene.objects.empty())
     return fmt::format("the labels of {} have no stationary object: four 3D boxes of one track at one place",
                        target.path.filename().string());
@@ -103,8 +103,9 @@ SceneOrReason find_scene(const fs::path& out, const fs::path& labels, Progress& 
 }
 
 SceneOrReason find_scene_or_reason(const fs::path& out, const fs::path& labels, Progress& progress) {
+  if (!labels.empty() && !fs::exists(labels)) throw InputError(labels, "does not exist", "--labels takes a file of labels");
   if (!labels.empty()) return find_scene(out, labels, progress);
-  Progress quiet(ProgressStyle::quiet);  // nobody asked for the labels, so their warnings would be out of place
+  Progress quiet(ProgressStyle::quiet);  // warnings about labels that the user did not give would be out of place
   try {
     return find_scene(out, labels, quiet);
   } catch (const InputError& e) {  // answered: the scores do not depend on the drive

@@ -197,7 +197,7 @@ std::vector<ExternalFrames> parse_external(const std::vector<std::string>& argum
 
 Evaluation evaluate(const EvaluationFolders& folders, const BeginPart& begin) {
   if (folders.truth.empty() && !(folders.ignore.empty() && folders.masks.empty() && folders.external.empty()))
-    throw UsageError("--ignore, --masks, and --external select what is compared with the truth: give --truth DIR");
+    throw UsageError("--ignore, --masks, and --external compare a result with the truth: give --truth DIR");
   const std::vector<std::string> names = check_folders(folders);
   if (folders.truth.empty()) {
     Evaluation evaluation;

@@ -355,5 +355,16 @@ TEST_F(Evaluate, ReportsErrorsInTheInput) {
   EXPECT_THAT(error(), HasSubstr("has no result (kind/ is missing)"));
 }
 
+TEST_F(Evaluate, CountsOnlyArtifactsWithoutATruth) {
+  add_perfect("000000");
+  const Evaluation e = evaluate({folder / "out", {}});
+  EXPECT_FALSE(e.has_truth);
+  EXPECT_EQ(e.artifacts.hole, 40U * 30);
+  EXPECT_TRUE(e.warnings.empty());
+  EXPECT_FALSE(nlohmann::json(e).contains("all"));
+  EXPECT_THROW(evaluate({folder / "out", {}, folder / "ignore"}), UsageError);
+  EXPECT_THROW(evaluate({folder / "out", {}, {}, {}, folder / "masks"}), UsageError);
+}
+
 }  // namespace
 }  // namespace dvi::metrics

@@ -80,7 +80,7 @@ class VisibleBox {
 // The boxes that a camera may show.
 class VisibleBoxes {
  public:
-  VisibleBoxes(const std::vector<StationaryObject>& objects, const PosedCamera& camera) {
+  VisibleBoxes(const std::vector<StationaryObject>& objects, const GhostSource& camera) {
     for (std::size_t i = 0; i < objects.size(); ++i)
       if (VisibleBox box(i, objects[i].world, camera.camera_from_world); box.is_visible()) boxes_.push_back(box);
   }
@@ -96,7 +96,7 @@ class VisibleBoxes {
   }
 
   enum class Shown { background, ghost, in_map };
-  // Determines what a pixel shows whose copied point is at a depth.
+  // Determines the surface that a pixel shows whose copied point is at a depth.
   Shown judge(const Eigen::Vector3d& ray, double depth_m) const {
     Shown shown = Shown::background;
     for (const VisibleBox& box : boxes_) {
@@ -159,7 +159,7 @@ class FrameCounter {
     if (number < 0 || static_cast<std::size_t>(number) >= scene_.sources.size())
       throw InputError(provenance_file_, fmt::format("has a pixel of source {}, which sources.json does not list", number),
                        "run the same dvi run again, which completes the result");
-    const std::optional<PosedCamera>& source = scene_.sources[static_cast<std::size_t>(number)];
+    const std::optional<GhostSource>& source = scene_.sources[static_cast<std::size_t>(number)];
     if (!source) {
       out_.unjudged += pixels.size();
       return;
@@ -191,7 +191,7 @@ class FrameCounter {
   }
 
   const GhostScene& scene_;
-  PosedCamera target_;
+  GhostSource target_;
   std::string file_;
   fs::path provenance_file_;
   cv::Mat1b kind_, is_ghost_;

@@ -30,7 +30,7 @@ struct StationaryObject {
 };
 
 /// A camera at the time of one of its frames.
-struct PosedCamera {
+struct GhostSource {
   Camera camera;
   SE3 camera_from_world;
 };
@@ -39,7 +39,7 @@ struct PosedCamera {
 struct GhostScene {
   std::vector<StationaryObject> objects;
   std::vector<std::string> frames;                  ///< names of the target's frames, which are the first sources
-  std::vector<std::optional<PosedCamera>> sources;  ///< by source number; nothing for sources that are not judged
+  std::vector<std::optional<GhostSource>> sources;  ///< by source number; nothing for sources that are not judged
 };
 
 /// Copied pixels.

@@ -144,5 +144,35 @@ TEST(BoxesInScans, ExcludeThePathBetweenObjectsOfOneTrackNumber) {
   }
 }
 
+TEST(LabeledBoxes, OfObjectsThatStayInPlaceHaveAMedian) {
+  LabeledDrive labeled;
+  for (int i = 10; i < 15; ++i) {
+    labeled.add(i, 1, i == 12 ? 30.3 : 30 + 0.01 * i, 4);
+    labeled.add(i, 2, 30 + i, -4);
+    if (i < 13) labeled.add(i, 3, 50, 4);
+  }
+  const std::vector<LabeledBoxes> objects = labeled.collect();
+  ASSERT_EQ(objects.size(), 3U);
+  const std::optional<Box> box = objects[0].find_stationary_box();
+  ASSERT_TRUE(box);
+  EXPECT_NEAR(box->frame_from_box.t.x() - 0.5 * box->size.x(), 30.13, 1e-9);
+  EXPECT_FALSE(objects[1].find_stationary_box()) << "moves";
+  EXPECT_FALSE(objects[2].find_stationary_box()) << "three boxes";
+}
+
+TEST(LabeledBoxes, LeaveOutTracksThatOccurTwiceInAFrame) {
+  LabeledDrive labeled;
+  for (int i = 10; i < 15; ++i) {
+    labeled.add(i, 1, 30, 4);
+    labeled.add(i, 2, 40, 4);
+  }
+  labeled.add(12, 1, 50, 4);
+  labeled.add(14, 1, 50, 4);
+  const std::vector<LabeledBoxes> objects = labeled.collect();
+  ASSERT_EQ(objects.size(), 1U);
+  EXPECT_EQ(objects[0].track(), 2);
+  EXPECT_EQ(find_repeated_tracks(labeled.labels), (std::map<int, std::size_t>{{1, 12}}));
+}
+
 }  // namespace
 }  // namespace dvi::objects
