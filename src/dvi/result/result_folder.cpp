@@ -16,6 +16,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/core/version.h"
 #include "dvi/inputs/collect_evidence.h"
+#include "dvi/media/image_file.h"
 #include "dvi/metrics/evaluation.h"
 #include "dvi/objects/stationary_objects.h"
 #include "dvi/report/report.h"
@@ -87,6 +88,26 @@ std::vector<std::string> list_other_files(const fs::path& out) {
                                  "map/map.ply",  "map/moving.ply", "map/map.png",   "map/above.json"};
   std::erase_if(files, [&](const std::string& file) { return !fs::exists(out / file); });
   return files;
+}
+
+/// Returns the counts of the removed objects, and sentences about those that remain visible.
+nlohmann::json objects_summary(const std::vector<objects::RemovedObject>& removed) {
+  nlohmann::json out = objects::count_objects(removed);
+  out["residue"] = objects::describe_visible(removed);
+  return out;
+}
+
+/// Returns a function that reads the finished frames of the target, `names`, for the residue of its objects.
+objects::ReadResult make_result_reader(const fs::path& out, const Drive& target, const std::vector<std::string>& names) {
+  const auto finished = std::make_shared<const std::set<std::string>>(names.begin(), names.end());
+  return [&target, out, finished](std::size_t frame) -> std::optional<objects::ResultImages> {
+    const std::string file = target.frames[frame].name + ".png";
+    if (!finished->contains(target.frames[frame].name)) return std::nullopt;
+    const cv::Mat3b input = *target.images[frame];
+    const cv::Mat1b kind = media::read_indices(out / "kind" / file, input.size());
+    return objects::ResultImages{input, media::read_image(out / "frames" / file, input.size()), cv::Mat1b(kind != 0),
+                                 cv::Mat1b((kind == 1) | (kind == 2))};
+  };
 }
 
 /// Lists the paths of all inputs, as given by the user.
@@ -326,7 +347,7 @@ RunReport ResultFolder::make_report(const RunResults& results, const std::vector
                     {"hole", hole},
                     {"artifacts", artifacts},
                     {"stationary", stationary},
-                    {"objects", objects::count_objects(removed)},
+                    {"objects", objects_summary(removed)},
                     {"map", results.map != nullptr ? map_json(*results.map) : nlohmann::json()},
                     {"cost", cost},
                     {"warnings", progress.warnings()},
@@ -339,7 +360,8 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
   remove_other_source_masks();
   write_file(out_ / "sources.json", json_text(sources_json(results.views, drives_)) + "\n");
   const objects::CameraEvidence evidence = inputs::evidence_of(drives_.front(), results.poses.front().world_from_lidar);
-  const auto removed = objects::list_removed_objects(evidence, results.objects, job_.options.masks);
+  const auto removed =
+      objects::list_removed_objects(evidence, results.objects, job_.options.masks, make_result_reader(out_, target, names_));
   write_file(out_ / "objects.json", json_text(objects::objects_json(removed, inputs::mask_source(drives_.front()))) + "\n");
   if (results.map != nullptr) {
     write_map_files(out_ / "map",
