@@ -104,7 +104,8 @@ double share_of(const cv::Mat1b& pixels, const cv::Mat1b& all) {
 }
 
 double measure_similarity(const ResultImages& images, const ObjectCrop& crop, const cv::Mat1b& core) {
-  const cv::Mat1b compared(core & (cv::Mat1b(crop.cut(images.removed)) > 127));
+  cv::Mat1b compared(core & (cv::Mat1b(crop.cut(images.removed)) > 127));
+  if (!images.things.empty()) compared &= cv::Mat1b(crop.cut(images.things)) > 127;
   if (cv::countNonZero(compared) < kResidue.min_pixels) return 0;
   if (share_of(cv::Mat1b(cv::Mat1b(crop.cut(images.copied)) > 127), compared) < kResidue.min_copied) return 0;
   const Gradients input(crop.cut(images.input), compared), result(crop.cut(images.result), compared);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <set>
 
@@ -15,6 +16,7 @@
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/core/version.h"
+#include "dvi/depth/occluders.h"
 #include "dvi/inputs/collect_evidence.h"
 #include "dvi/media/image_file.h"
 #include "dvi/metrics/evaluation.h"
@@ -97,16 +99,29 @@ nlohmann::json objects_summary(const std::vector<objects::RemovedObject>& remove
   return out;
 }
 
-/// Returns a function that reads the finished frames of the target, `names`, for the residue of its objects.
-objects::ReadResult make_result_reader(const fs::path& out, const Drive& target, const std::vector<std::string>& names) {
-  const auto finished = std::make_shared<const std::set<std::string>>(names.begin(), names.end());
-  return [&target, out, finished](std::size_t frame) -> std::optional<objects::ResultImages> {
-    const std::string file = target.frames[frame].name + ".png";
-    if (!finished->contains(target.frames[frame].name)) return std::nullopt;
-    const cv::Mat3b input = *target.images[frame];
-    const cv::Mat1b kind = media::read_indices(out / "kind" / file, input.size());
-    return objects::ResultImages{input, media::read_image(out / "frames" / file, input.size()), cv::Mat1b(kind != 0),
-                                 cv::Mat1b((kind == 1) | (kind == 2))};
+/// Finds the things in front of the static scene in a frame of the result; empty without returns.
+cv::Mat1b find_things(const fs::path& out, const std::string& name, cv::Size size, const std::vector<ImageReturn>& returns) {
+  if (returns.empty()) return {};
+  depth::DepthMap depth;
+  media::read_indices(out / "depth" / (name + ".png"), size).convertTo(depth.z, CV_32F, 1.0 / 256);
+  depth.z.setTo(depth::DepthMap::kSky, depth.z == 0);  // the file does not distinguish it from unknown depth
+  return depth::find_occluders(depth, returns);
+}
+
+/// Returns a function that reads the finished frames of the target for the residue of its objects.
+objects::ReadResult make_result_reader(const fs::path& out, const Drive& target, const Views& views) {
+  std::map<std::size_t, std::size_t> view_of_frame;
+  for (std::size_t i = 0; i < views.of_sequence(0).second; ++i) view_of_frame[views[i].frame] = i;
+  return [&target, &views, out, view_of_frame](std::size_t frame) -> std::optional<objects::ResultImages> {
+    const auto view = view_of_frame.find(frame);
+    if (view == view_of_frame.end()) return std::nullopt;
+    const std::string& name = target.frames[frame].name;
+    const cv::Mat3b input = *views.images[view->second];
+    const cv::Mat1b kind = media::read_indices(out / "kind" / (name + ".png"), input.size());
+    const auto returns = views.returns.empty() ? nullptr : views.returns[view->second];
+    return objects::ResultImages{input, media::read_image(out / "frames" / (name + ".png"), input.size()), cv::Mat1b(kind != 0),
+                                 cv::Mat1b((kind == 1) | (kind == 2)),
+                                 returns ? find_things(out, name, input.size(), *returns) : cv::Mat1b()};
   };
 }
 
@@ -360,8 +375,8 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
   remove_other_source_masks();
   write_file(out_ / "sources.json", json_text(sources_json(results.views, drives_)) + "\n");
   const objects::CameraEvidence evidence = inputs::evidence_of(drives_.front(), results.poses.front().world_from_lidar);
-  const auto removed =
-      objects::list_removed_objects(evidence, results.objects, job_.options.masks, make_result_reader(out_, target, names_));
+  const auto removed = objects::list_removed_objects(evidence, results.objects, job_.options.masks,
+                                                     make_result_reader(out_, target, results.views));
   write_file(out_ / "objects.json", json_text(objects::objects_json(removed, inputs::mask_source(drives_.front()))) + "\n");
   if (results.map != nullptr) {
     write_map_files(out_ / "map",
