@@ -54,7 +54,7 @@ struct Scene {
 
 cv::Mat3b make_noise(std::uint64_t seed) {
   cv::Mat3b out(60, 80);
-  cv::RNG(seed).fill(out, cv::RNG::UNIFORM, 0, 256);
+  cv::RNG(seed * 0x9e3779b97f4a7c15U).fill(out, cv::RNG::UNIFORM, 0, 256);
   return out;
 }
 
