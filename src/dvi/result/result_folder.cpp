@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
-#include <map>
 #include <memory>
 #include <set>
 
@@ -16,9 +15,7 @@
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/core/version.h"
-#include "dvi/depth/occluders.h"
 #include "dvi/inputs/collect_evidence.h"
-#include "dvi/media/image_file.h"
 #include "dvi/metrics/evaluation.h"
 #include "dvi/objects/stationary_objects.h"
 #include "dvi/report/report.h"
@@ -27,6 +24,7 @@
 #include "dvi/result/manifest.h"
 #include "dvi/result/map_files.h"
 #include "dvi/result/plan_manifest.h"
+#include "dvi/result/read_result.h"
 #include "dvi/result/result_media.h"
 #include "dvi/result/source_masks.h"
 #include "dvi/result/stage_json.h"
@@ -97,32 +95,6 @@ nlohmann::json objects_summary(const std::vector<objects::RemovedObject>& remove
   nlohmann::json out = objects::count_objects(removed);
   out["residue"] = objects::describe_visible(removed);
   return out;
-}
-
-/// Finds the things in front of the static scene in a frame of the result; empty without returns.
-cv::Mat1b find_things(const fs::path& out, const std::string& name, cv::Size size, const std::vector<ImageReturn>& returns) {
-  if (returns.empty()) return {};
-  depth::DepthMap depth;
-  media::read_indices(out / "depth" / (name + ".png"), size).convertTo(depth.z, CV_32F, 1.0 / 256);
-  depth.z.setTo(depth::DepthMap::kSky, depth.z == 0);  // the file does not distinguish it from unknown depth
-  return depth::find_occluders(depth, returns);
-}
-
-/// Returns a function that reads the finished frames of the target for the residue of its objects.
-objects::ReadResult make_result_reader(const fs::path& out, const Drive& target, const Views& views) {
-  std::map<std::size_t, std::size_t> view_of_frame;
-  for (std::size_t i = 0; i < views.of_sequence(0).second; ++i) view_of_frame[views[i].frame] = i;
-  return [&target, &views, out, view_of_frame](std::size_t frame) -> std::optional<objects::ResultImages> {
-    const auto view = view_of_frame.find(frame);
-    if (view == view_of_frame.end()) return std::nullopt;
-    const std::string& name = target.frames[frame].name;
-    const cv::Mat3b input = *views.images[view->second];
-    const cv::Mat1b kind = media::read_indices(out / "kind" / (name + ".png"), input.size());
-    const auto returns = views.returns.empty() ? nullptr : views.returns[view->second];
-    return objects::ResultImages{input, media::read_image(out / "frames" / (name + ".png"), input.size()), cv::Mat1b(kind != 0),
-                                 cv::Mat1b((kind == 1) | (kind == 2)),
-                                 returns ? find_things(out, name, input.size(), *returns) : cv::Mat1b()};
-  };
 }
 
 /// Lists the paths of all inputs, as given by the user.
