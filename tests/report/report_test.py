@@ -97,6 +97,34 @@ class Report(unittest.TestCase):
         self.assertGreaterEqual(len(self.driver.find_elements(By.CSS_SELECTOR, ".card")), 1)
         self.no_error(self.out)
 
+    def test_overview_lists_removed_objects(self):
+        self.open(self.out)
+        browser.until(self.driver, "document.getElementById('objects')")
+        objects = json.loads((self.out / "objects.json").read_text())["objects"]
+        rows = self.driver.find_elements(By.CSS_SELECTOR, "#objects tbody tr")
+        self.assertEqual(len(rows), len(objects))
+        self.assertEqual({row.find_element(By.TAG_NAME, "td").text for row in rows}, {str(entry["object"]) for entry in objects})
+        self.no_error(self.out)
+
+    def test_long_lists_of_objects_are_closed(self):
+        self.open(self.out)
+        browser.until(self.driver, "document.getElementById('objects')")
+        count = self.js("""(() => {
+            const one = {object: 0, class: "car", evidence: "labels", motion: "static", first_frame: 0, last_frame: 3, frames: 4,
+                         completed_frames: [1, 2], removed_pixels: 1000, residue: {visible_frames: []}};
+            dvi.data.objects = Array.from({length: 600}, (_, i) => ({...one, object: i}));
+            dvi.data.objects[599].residue = {visible_frames: [0, 1, 3]};
+            document.getElementById("objects").replaceWith(dvi.objectTable());
+            return document.querySelectorAll("#objects details:not([open]) tbody tr").length;
+        })()""")
+        self.assertEqual(count, 485)
+        self.assertIn("599", self.text("#objects tbody tr"), "objects that remain visible are first")
+        self.assertIn("0–1, 3", self.text("#objects tbody tr"))
+        self.assertIn("100 more in objects.json", self.text("#objects"))
+        self.js("(() => { dvi.data.objects = []; document.getElementById('objects').replaceWith(dvi.objectTable()); })()")
+        self.assertIn("No removed object is known", self.text("#objects"))
+        self.no_error(self.out)
+
     def test_clicking_a_pixel_shows_its_provenance(self):
         self.open(self.out, "frames/2")
         browser.until(self.driver, "document.querySelector('#picture img') && document.querySelector('#picture img').complete")

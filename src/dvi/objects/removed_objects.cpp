@@ -1,12 +1,14 @@
 #include "dvi/objects/removed_objects.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <map>
 #include <set>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
@@ -17,27 +19,33 @@
 namespace dvi::objects {
 namespace {
 
-// The pixels of one object in one frame.
+constexpr std::size_t kMaxDescribedObjects = 5;
+
+// One object in one frame.
 struct ObjectPixels {
   std::size_t pixels = 0;
   bool completed = false;
   std::string type;
+  std::optional<FrameResidue> residue;
 };
 
-std::size_t count_pixels(const Label& label, const CameraEvidence& evidence, const MaskOptions& options) {
-  cv::Mat1b mask = draw_label(label, evidence.drive.camera, evidence.drive.camera_from_lidar, options);
-  if (evidence.source == MaskSource::labels) mask = grown(mask, options.label_dilation_px());
-  return static_cast<std::size_t>(cv::countNonZero(mask));
+std::size_t count_pixels(const cv::Mat1b& silhouette, const CameraEvidence& evidence, const MaskOptions& options) {
+  const bool is_dilated = evidence.source == MaskSource::labels;
+  return static_cast<std::size_t>(cv::countNonZero(is_dilated ? grown(silhouette, options.label_dilation_px()) : silhouette));
 }
 
 std::map<int, ObjectPixels> measure_frame(const CameraEvidence& evidence, const CameraObjects& objects, std::size_t frame,
-                                          const MaskOptions& options) {
+                                          const MaskOptions& options, const ReadResult& read_result) {
   std::map<int, ObjectPixels> out;
+  std::map<int, cv::Mat1b> silhouettes;
   const auto add = [&](const std::vector<Label>& labels, bool completed) {
     for (const Label& label : labels) {
       if (label.track < 0) continue;
-      const std::size_t pixels = count_pixels(label, evidence, options);
+      const cv::Mat1b silhouette = draw_label(label, evidence.drive.camera, evidence.drive.camera_from_lidar, options);
+      const std::size_t pixels = count_pixels(silhouette, evidence, options);
       if (pixels == 0) continue;
+      cv::Mat1b& whole = silhouettes[label.track];
+      whole = whole.empty() ? silhouette : cv::Mat1b(whole | silhouette);
       ObjectPixels& object = out[label.track];
       object.pixels += pixels;
       object.completed = object.completed || completed;
@@ -47,6 +55,9 @@ std::map<int, ObjectPixels> measure_frame(const CameraEvidence& evidence, const 
   // Mask files show objects without labels; all others have labels, which `shown` repeats.
   add(evidence.source == MaskSource::files ? (*objects.shown)[frame] : (*objects.labels)[frame], false);
   add((*objects.completed)[frame], true);
+  if (out.empty() || !read_result) return out;
+  if (const std::optional<ResultImages> images = read_result(frame))
+    for (auto& [number, object] : out) object.residue = measure_residue(*images, silhouettes[number]);
   return out;
 }
 
@@ -62,17 +73,59 @@ std::map<int, MotionState> find_motions(const CameraEvidence& evidence, const Ca
   return out;
 }
 
+// Adds a frame to the residue of an object.
+void add_residue(const FrameResidue& found, int frame, std::optional<ObjectResidue>& residue) {
+  if (!residue) residue.emplace();
+  if (found.is_visible()) {
+    residue->frames.push_back(frame);
+    residue->unmasked_frames += found.is_unmasked() ? 1 : 0;
+  }
+  if (residue->highest_frame >= 0 && found.score() <= residue->highest_score) return;
+  residue->highest_score = found.score();
+  residue->highest_frame = frame;
+}
+
+bool is_visible(const RemovedObject& object) { return object.residue && !object.residue->frames.empty(); }
+
+// Returns "frame 3", or "frames 3-5, 8".
+std::string describe_frames(const std::vector<int>& frames) {
+  std::vector<std::string> ranges;
+  for (std::size_t first = 0, next = 1; next <= frames.size(); ++next) {
+    if (next < frames.size() && frames[next] == frames[next - 1] + 1) continue;
+    ranges.push_back(next - first == 1 ? std::to_string(frames[first]) : fmt::format("{}-{}", frames[first], frames[next - 1]));
+    first = next;
+  }
+  return fmt::format("frame{} {}", frames.size() == 1 ? "" : "s", fmt::join(ranges, ", "));
+}
+
+std::string describe_residue(const RemovedObject& object) {
+  const ObjectResidue& residue = *object.residue;
+  const bool is_unmasked = 2 * residue.unmasked_frames > residue.frames.size();
+  return fmt::format("object {}{} remains visible in {}: {}", object.number,
+                     object.type.empty() ? "" : " (" + object.type + ")", describe_frames(residue.frames),
+                     is_unmasked ? "most of it was not removed" : "its pixels in other frames were used as sources");
+}
+
 const char* name_of(MotionState state) {
   return state == MotionState::moving ? "moving" : state == MotionState::stationary ? "static" : "unknown";
+}
+
+nlohmann::json residue_json(const std::optional<ObjectResidue>& residue) {
+  if (!residue) return {};
+  return {{"visible_frames", residue->frames},
+          {"unmasked_frames", residue->unmasked_frames},
+          {"highest_score", std::round(1000 * residue->highest_score) / 1000},
+          {"highest_score_frame", residue->highest_frame}};
 }
 
 }  // namespace
 
 std::vector<RemovedObject> list_removed_objects(const CameraEvidence& evidence, const CameraObjects& objects,
-                                                const MaskOptions& options) {
+                                                const MaskOptions& options, const ReadResult& read_result) {
   const std::vector<Frame>& frames = evidence.drive.frames;
   std::vector<std::map<int, ObjectPixels>> measured(frames.size());
-  parallel_for(measured.size(), [&](std::size_t i) { measured[i] = measure_frame(evidence, objects, i, options); });
+  parallel_in_order(measured.size(),
+                    [&](std::size_t i) { measured[i] = measure_frame(evidence, objects, i, options, read_result); });
   std::map<int, RemovedObject> list;
   for (std::size_t i = 0; i < frames.size(); ++i)
     for (const auto& [number, shown] : measured[i]) {
@@ -82,6 +135,7 @@ std::vector<RemovedObject> list_removed_objects(const CameraEvidence& evidence, 
       object.frames.push_back(frames[i].number);
       if (shown.completed) object.completed.push_back(frames[i].number);
       object.pixels += shown.pixels;
+      if (shown.residue) add_residue(*shown.residue, frames[i].number, object.residue);
     }
   const std::map<int, MotionState> motions = find_motions(evidence, objects);
   std::vector<RemovedObject> out;
@@ -97,6 +151,7 @@ ObjectCounts count_objects(const std::vector<RemovedObject>& objects) {
   std::set<int> frames;
   for (const RemovedObject& object : objects) {
     out.completed += object.completed.empty() ? 0 : 1;
+    out.visible += is_visible(object) ? 1 : 0;
     frames.insert(object.completed.begin(), object.completed.end());
     std::vector<int> whole;
     std::set_difference(object.frames.begin(), object.frames.end(), object.completed.begin(), object.completed.end(),
@@ -113,11 +168,8 @@ ObjectCounts count_objects(const std::vector<RemovedObject>& objects) {
 }
 
 void to_json(nlohmann::json& json, const ObjectCounts& counts) {
-  json = {{"removed", counts.removed},
-          {"completed", counts.completed},
-          {"completed_frames", counts.completed_frames},
-          {"late", counts.late},
-          {"with_gaps", counts.with_gaps}};
+  json = {{"removed", counts.removed}, {"completed", counts.completed}, {"completed_frames", counts.completed_frames},
+          {"late", counts.late},       {"with_gaps", counts.with_gaps}, {"visible", counts.visible}};
 }
 
 std::vector<std::string> describe_incomplete(const ObjectCounts& counts, const std::string& source) {
@@ -134,6 +186,19 @@ std::vector<std::string> describe_incomplete(const ObjectCounts& counts, const s
   return out;
 }
 
+std::vector<std::string> describe_visible(const std::vector<RemovedObject>& objects) {
+  std::vector<const RemovedObject*> visible;
+  for (const RemovedObject& object : objects)
+    if (is_visible(object)) visible.push_back(&object);
+  std::stable_sort(visible.begin(), visible.end(),
+                   [](const RemovedObject* a, const RemovedObject* b) { return a->pixels > b->pixels; });
+  std::vector<std::string> out;
+  for (std::size_t i = 0; i < std::min(visible.size(), kMaxDescribedObjects); ++i) out.push_back(describe_residue(*visible[i]));
+  if (const std::size_t others = visible.size() - out.size(); others > 0)
+    out.push_back(fmt::format("{} other object{} visible, see objects.json", others, others == 1 ? " remains" : "s remain"));
+  return out;
+}
+
 nlohmann::json objects_json(const std::vector<RemovedObject>& objects, const std::string& source) {
   nlohmann::json list = nlohmann::json::array();
   for (const RemovedObject& object : objects)
@@ -145,7 +210,8 @@ nlohmann::json objects_json(const std::vector<RemovedObject>& objects, const std
                     {"last_frame", object.frames.back()},
                     {"frames", object.frames.size()},
                     {"completed_frames", object.completed},
-                    {"removed_pixels", object.pixels}});
+                    {"removed_pixels", object.pixels},
+                    {"residue", residue_json(object.residue)}});
   return {{"schema", "dvi-objects/1"}, {"objects", list}};
 }
 

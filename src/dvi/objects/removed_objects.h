@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,23 +9,34 @@
 
 #include "dvi/objects/camera_objects.h"
 #include "dvi/objects/evidence.h"
+#include "dvi/objects/residue.h"
 
 namespace dvi::objects {
+
+/// The frames in which the result still shows an object.
+struct ObjectResidue {
+  std::vector<int> frames;          ///< numbers of these frames, ascending
+  std::size_t unmasked_frames = 0;  ///< those in which most of the object was not removed
+  double highest_score = 0;         ///< over all frames, FrameResidue::score()
+  int highest_frame = -1;           ///< number of its frame
+};
 
 /// One removed object in the frames of a camera.
 struct RemovedObject {
   int number = -1;
   std::string type;  ///< its class, in lower case; empty if it is unknown
   MotionState motion = MotionState::unknown;
-  std::vector<int> frames;     ///< numbers of the frames in which it is removed, ascending
-  std::vector<int> completed;  ///< those in which its masks, labels, or detections lack a part of it or all of it
-  std::size_t pixels = 0;      ///< removed pixels in all frames; overlapping objects count for each
+  std::vector<int> frames;               ///< numbers of the frames in which it is removed, ascending
+  std::vector<int> completed;            ///< those in which its masks, labels, or detections lack a part of it or all of it
+  std::size_t pixels = 0;                ///< removed pixels in all frames; overlapping objects count for each
+  std::optional<ObjectResidue> residue;  ///< none if it was not measured or the object is too small in all frames
 };
 
 /// Lists the removed objects of a camera by their numbers. Labels without a track and masks without scans are left out, because
-/// they do not show which object they belong to.
+/// they do not show which object they belong to. `read_result` reads the frames in which the residue of the objects is
+/// measured; if it is empty, the residue is not measured.
 std::vector<RemovedObject> list_removed_objects(const CameraEvidence& evidence, const CameraObjects& objects,
-                                                const MaskOptions& options);
+                                                const MaskOptions& options, const ReadResult& read_result = {});
 
 /// Counts of removed objects, for summaries.
 struct ObjectCounts {
@@ -33,12 +45,16 @@ struct ObjectCounts {
   std::size_t completed_frames = 0;  ///< frames in which at least one object was completed
   std::size_t late = 0;              ///< objects that were completed before the first frame whose mask shows them whole
   std::size_t with_gaps = 0;         ///< objects that were completed between such frames
+  std::size_t visible = 0;           ///< objects that the result still shows in at least one frame
 };
 ObjectCounts count_objects(const std::vector<RemovedObject>& objects);
 void to_json(nlohmann::json& json, const ObjectCounts& counts);
 
 /// Describes masks, labels, or detections (`source`) that begin late or have gaps, one sentence each, with counts.
 std::vector<std::string> describe_incomplete(const ObjectCounts& counts, const std::string& source);
+
+/// Describes objects that the result still shows, one sentence each: the largest ones, and the number of others.
+std::vector<std::string> describe_visible(const std::vector<RemovedObject>& objects);
 
 /// Writes objects as objects.json lists them. `source` is where the evidence is from.
 nlohmann::json objects_json(const std::vector<RemovedObject>& objects, const std::string& source);

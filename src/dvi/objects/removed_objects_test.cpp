@@ -1,6 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
@@ -43,10 +47,25 @@ struct Scene {
     objects.completed = shared(completed);
     objects.motions = {{7, MotionState::stationary}};
   }
-  std::vector<RemovedObject> list(MaskSource source) const {
-    return list_removed_objects({drive, poses, "drive", source}, objects, {});
+  std::vector<RemovedObject> list(MaskSource source, const ReadResult& read_result = {}) const {
+    return list_removed_objects({drive, poses, "drive", source}, objects, {}, read_result);
   }
 };
+
+cv::Mat3b make_noise(std::uint64_t seed) {
+  cv::Mat3b out(60, 80);
+  cv::RNG(seed * 0x9e3779b97f4a7c15U).fill(out, cv::RNG::UNIFORM, 0, 256);
+  return out;
+}
+
+// Returns a result in which the objects are visible in the given frames, removed from the others, and missing in the last one.
+ReadResult show_objects_in(const std::vector<std::size_t>& frames, const cv::Mat1b& removed) {
+  return [frames, removed](std::size_t frame) -> std::optional<ResultImages> {
+    if (frame == 4) return std::nullopt;
+    const bool is_visible = std::find(frames.begin(), frames.end(), frame) != frames.end();
+    return ResultImages{make_noise(1), make_noise(is_visible ? 1 : 2), removed, cv::Mat1b(60, 80, uchar{255})};
+  };
+}
 
 TEST(RemovedObjects, ListTheFramesInWhichTheyWereCompleted) {
   const std::vector<RemovedObject> list = Scene().list(MaskSource::files);
@@ -75,6 +94,54 @@ TEST(RemovedObjects, AreCountedAndDescribed) {
               ElementsAre(HasSubstr("1 of 2 objects are visible before the first frame that shows them (files)"),
                           HasSubstr("1 of 2 objects are missing in frames between others that show them (files)")));
   EXPECT_THAT(describe_incomplete({.removed = 2}, "files"), IsEmpty());
+}
+
+TEST(RemovedObjects, ListTheFramesThatStillShowThem) {
+  const std::vector<RemovedObject> list =
+      Scene().list(MaskSource::files, show_objects_in({0, 1, 3}, cv::Mat1b(60, 80, uchar{255})));
+  ASSERT_TRUE(list[0].residue);
+  EXPECT_THAT(list[0].residue->frames, ElementsAre(10, 11, 13));
+  EXPECT_EQ(list[0].residue->unmasked_frames, 0U);
+  EXPECT_EQ(list[0].residue->highest_frame, 10);
+  EXPECT_GT(list[0].residue->highest_score, 0.8);
+  EXPECT_EQ(count_objects(list).visible, 2U);
+  EXPECT_THAT(describe_visible(list),
+              ElementsAre("object 7 (car) remains visible in frames 10-11, 13: its pixels in other frames were used as sources",
+                          "object 9 remains visible in frames 10-11, 13: its pixels in other frames were used as sources"));
+  const nlohmann::json json = objects_json(list, "files");
+  EXPECT_EQ(json["objects"][0]["residue"]["visible_frames"], nlohmann::json({10, 11, 13}));
+  EXPECT_EQ(json["objects"][0]["residue"]["highest_score_frame"], 10);
+}
+
+TEST(RemovedObjects, OfACorrectResultAreNotVisible) {
+  const std::vector<RemovedObject> list = Scene().list(MaskSource::files, show_objects_in({}, cv::Mat1b(60, 80, uchar{255})));
+  ASSERT_TRUE(list[0].residue);
+  EXPECT_LT(list[0].residue->highest_score, 0.1);
+  EXPECT_THAT(describe_visible(list), IsEmpty());
+  EXPECT_EQ(objects_json(list, "files")["objects"][0]["residue"]["visible_frames"], nlohmann::json::array());
+  EXPECT_TRUE(objects_json(Scene().list(MaskSource::files), "files")["objects"][0]["residue"].is_null()) << "not measured";
+}
+
+TEST(RemovedObjects, ThatAreNotMaskedRemainVisible) {
+  cv::Mat1b removed(60, 80, uchar{255});
+  removed(cv::Rect(10, 10, 20, 10)) = 0;
+  const std::vector<RemovedObject> list = Scene().list(MaskSource::files, show_objects_in({}, removed));
+  EXPECT_EQ(list[0].residue->unmasked_frames, 4U);
+  EXPECT_THAT(describe_visible(list),
+              ElementsAre("object 7 (car) remains visible in frames 10-13: most of it was not removed"));
+}
+
+TEST(RemovedObjects, AreNamedIfTheyAreLarge) {
+  std::vector<RemovedObject> list(8);
+  for (int i = 0; i < 8; ++i) {
+    list[static_cast<std::size_t>(i)].number = i;
+    list[static_cast<std::size_t>(i)].pixels = static_cast<std::size_t>(100 * i);
+    list[static_cast<std::size_t>(i)].residue = ObjectResidue{{3}, 0, 0.5, 3};
+  }
+  const std::vector<std::string> sentences = describe_visible(list);
+  ASSERT_EQ(sentences.size(), 6U);
+  EXPECT_THAT(sentences.front(), HasSubstr("object 7 remains visible in frame 3:"));
+  EXPECT_EQ(sentences.back(), "3 other objects remain visible, see objects.json");
 }
 
 TEST(RemovedObjects, OfLabelsAreThoseOfTheLabels) {

@@ -100,6 +100,7 @@ class ReportWriter {
         std::all_of(listed["sources"].begin(), listed["sources"].end(), is_source))
       list_ = listed.at("sources");
     while (own_ < list_.size() && is_of_target(list_[own_])) ++own_;
+    read_objects();
     if (fs::exists(out_ / "map/above.json")) above_ = read_document(out_, "map/above.json", problems_);
   }
 
@@ -216,12 +217,20 @@ class ReportWriter {
             {"run", run},
             {"frames", entries},
             {"sources", sources},
+            {"objects", objects_},
             {"above", above_},
             {"times", read_times()},
             {"unseen", {{"cell_m", kUnobservedCellM}, {"cells", cells}}},
             {"options", json::parse(in_.options)},
             {"evaluation", json::parse(in_.evaluation)},
             {"problems", problems_}};
+  }
+
+  /// Reads the removed objects; results of earlier versions have none.
+  void read_objects() {
+    if (!fs::exists(out_ / "objects.json")) return;
+    const json read = read_document(out_, "objects.json", problems_);
+    if (read.is_object() && read.contains("objects") && read["objects"].is_array()) objects_ = read["objects"];
   }
 
   /// Reads the times of the frames in seconds.
@@ -249,7 +258,7 @@ class ReportWriter {
   const ReportInput& in_;
   const fs::path out_;
   std::vector<std::string> problems_, names_;
-  json list_ = json::array(), above_;
+  json list_ = json::array(), objects_, above_;
   std::size_t own_ = 0;  // number of sources that are frames of the target
 };
 

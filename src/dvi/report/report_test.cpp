@@ -138,6 +138,17 @@ TEST_F(SmallResult, RemovesFilesOfLongerResults) {
   EXPECT_TRUE(fs::exists(out / "report/notes.txt"));
 }
 
+TEST_F(SmallResult, TheReportListsRemovedObjects) {
+  write();
+  EXPECT_THAT(read_file(out / "report/index.js"), HasSubstr(R"("objects":null)")) << "a result of an earlier version";
+  write_file(out / "objects.json", R"({"objects": [{"object": 7}]})");
+  write();
+  EXPECT_THAT(read_file(out / "report/index.js"), HasSubstr(R"("objects":[{"object":7}])"));
+  write_file(out / "objects.json", "[");
+  write();
+  EXPECT_THAT(read_file(out / "report/index.js"), HasSubstr("objects.json is damaged"));
+}
+
 TEST_F(SmallResult, TheReportShowsDamage) {
   fs::remove(out / "kind/a.png");
   write_file(out / "sources.json", "[");

@@ -24,6 +24,7 @@
 #include "dvi/result/manifest.h"
 #include "dvi/result/map_files.h"
 #include "dvi/result/plan_manifest.h"
+#include "dvi/result/read_result.h"
 #include "dvi/result/result_media.h"
 #include "dvi/result/source_masks.h"
 #include "dvi/result/stage_json.h"
@@ -87,6 +88,13 @@ std::vector<std::string> list_other_files(const fs::path& out) {
                                  "map/map.ply",  "map/moving.ply", "map/map.png",   "map/above.json"};
   std::erase_if(files, [&](const std::string& file) { return !fs::exists(out / file); });
   return files;
+}
+
+/// Returns the counts of the removed objects, and sentences about those that remain visible.
+nlohmann::json objects_summary(const std::vector<objects::RemovedObject>& removed) {
+  nlohmann::json out = objects::count_objects(removed);
+  out["residue"] = objects::describe_visible(removed);
+  return out;
 }
 
 /// Lists the paths of all inputs, as given by the user.
@@ -326,7 +334,7 @@ RunReport ResultFolder::make_report(const RunResults& results, const std::vector
                     {"hole", hole},
                     {"artifacts", artifacts},
                     {"stationary", stationary},
-                    {"objects", objects::count_objects(removed)},
+                    {"objects", objects_summary(removed)},
                     {"map", results.map != nullptr ? map_json(*results.map) : nlohmann::json()},
                     {"cost", cost},
                     {"warnings", progress.warnings()},
@@ -339,7 +347,8 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
   remove_other_source_masks();
   write_file(out_ / "sources.json", json_text(sources_json(results.views, drives_)) + "\n");
   const objects::CameraEvidence evidence = inputs::evidence_of(drives_.front(), results.poses.front().world_from_lidar);
-  const auto removed = objects::list_removed_objects(evidence, results.objects, job_.options.masks);
+  const auto removed = objects::list_removed_objects(evidence, results.objects, job_.options.masks,
+                                                     make_result_reader(out_, target, results.views));
   write_file(out_ / "objects.json", json_text(objects::objects_json(removed, inputs::mask_source(drives_.front()))) + "\n");
   if (results.map != nullptr) {
     write_map_files(out_ / "map",

@@ -120,6 +120,13 @@ std::string describe_completed(const json& objects) {
                      completed, objects.at("removed").get<std::size_t>(), frames, frames == 1 ? "" : "s");
 }
 
+/// Returns a line for each object that remains visible.
+std::string describe_residue(const json& objects) {
+  std::string out;
+  for (const json& sentence : objects.value("residue", json::array())) out += "\n" + sentence.get<std::string>();
+  return out;
+}
+
 std::string describe_registration(const json& drive) {
   const json& placed = drive.at("registration");
   if (placed.is_null()) return {};
@@ -154,7 +161,7 @@ std::string RunReport::brief(const std::string& out) const {
   if (hole.copied_elsewhere > 0)
     text += fmt::format(", {:.1f} % from other cameras or drives", 100 * hole.share(hole.copied_elsewhere));
   text += describe_unobserved(hole) + describe_completed(document().at("objects")) +
-          describe_stationary(document().at("stationary"), hole);
+          describe_residue(document().at("objects")) + describe_stationary(document().at("stationary"), hole);
   for (const json& drive : document().at("drives")) text += describe_registration(drive);
   return text + describe_cost(document().at("cost")) +
          fmt::format(

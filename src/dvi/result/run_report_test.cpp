@@ -101,6 +101,13 @@ TEST(RunReport, BriefStatesOriginsAndCost) {
     EXPECT_THAT(text, HasSubstr(part));
 }
 
+TEST(RunReport, BriefNamesObjectsThatRemainVisible) {
+  json document = whole_report();
+  document["objects"]["residue"] = {"object 7 (car) remains visible in frame 3: most of it was not removed"};
+  EXPECT_THAT(RunReport(document).brief("out"),
+              HasSubstr("\nobject 7 (car) remains visible in frame 3: most of it was not removed\n"));
+}
+
 TEST(RunReport, BriefOmitsStationaryObjectsThatAreASmallPartOfTheHole) {
   json document = whole_report();
   document["stationary"]["pixels"] = 50;

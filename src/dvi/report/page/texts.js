@@ -11,6 +11,14 @@ dvi.texts = {
     {name: "left empty", key: "empty", color: "#999999", hint: "No frame observed this, and nothing was filled in."},
   ],
   within: {label: "expected to be right", hint: "Mean confidence of the filled pixels: the share expected within 10 gray levels (of 255) of the real background."},
+  objects: {
+    columns: [["object", "Its number, the track of its label if it has one."], ["class", "As labels or detections state it."],
+      ["evidence", "Where the object is from: mask files, labels, a detector, or motion segmentation (found)."], ["motion", "Whether it moves during the drive."],
+      ["first frame", ""], ["last frame", ""], ["completed frames", "Frames whose masks, labels, or detections lacked a part of it."],
+      ["removed pixels", "In all frames."], ["remains visible", "Frames of the result that still show the object, measured by comparison with the input."]],
+    summary: (all, visible) => `${all} object${all === 1 ? "" : "s"}; ${visible === 0 ? "none" : visible} of them remain${visible === 1 ? "s" : ""} visible in the result.`,
+    none: "No removed object is known. Mask files without scans do not show which object a pixel belongs to.",
+  },
   truth: {
     psnr: {label: "PSNR", unit: "dB", digits: 2, hint: "Peak signal-to-noise ratio against the truth, inside the removed area. Errors above 30 dB are hard to see; below 20 dB the content differs."},
     mae: {label: "mean error", unit: "levels", digits: 2, hint: "Mean absolute difference from the truth, in gray levels of 255."},
