@@ -111,9 +111,9 @@ class Report(unittest.TestCase):
         browser.until(self.driver, "document.getElementById('objects')")
         count = self.js("""(() => {
             const one = {object: 0, class: "car", evidence: "labels", motion: "static", first_frame: 0, last_frame: 3, frames: 4,
-                         completed_frames: [1, 2], removed_pixels: 1000, residue: {visible_frames: []}};
+                         completed_frames: [1, 2], removed_pixels: 1000, residue: {remains_visible: false, visible_frames: []}};
             dvi.data.objects = Array.from({length: 600}, (_, i) => ({...one, object: i}));
-            dvi.data.objects[599].residue = {visible_frames: [0, 1, 3]};
+            dvi.data.objects[599].residue = {remains_visible: true, visible_frames: [0, 1, 3]};
             document.getElementById("objects").replaceWith(dvi.objectTable());
             return document.querySelectorAll("#objects details:not([open]) tbody tr").length;
         })()""")

@@ -85,7 +85,18 @@ void add_residue(const FrameResidue& found, int frame, std::optional<ObjectResid
   residue->highest_frame = frame;
 }
 
-bool is_visible(const RemovedObject& object) { return object.residue && !object.residue->frames.empty(); }
+// Returns whether a result still shows an object: in two consecutive of its frames, because the score is wrong in single frames
+// at times.
+bool is_visible(const RemovedObject& object) {
+  if (!object.residue || object.residue->frames.empty()) return false;
+  if (object.frames.size() <= 1) return true;
+  const std::vector<int>& visible = object.residue->frames;
+  for (auto frame = object.frames.begin(); std::next(frame) != object.frames.end(); ++frame)
+    if (std::binary_search(visible.begin(), visible.end(), *frame) &&
+        std::binary_search(visible.begin(), visible.end(), *std::next(frame)))
+      return true;
+  return false;
+}
 
 // Returns "frame 3", or "frames 3-5, 8".
 std::string describe_frames(const std::vector<int>& frames) {
@@ -110,12 +121,14 @@ const char* name_of(MotionState state) {
   return state == MotionState::moving ? "moving" : state == MotionState::stationary ? "static" : "unknown";
 }
 
-nlohmann::json residue_json(const std::optional<ObjectResidue>& residue) {
-  if (!residue) return {};
-  return {{"visible_frames", residue->frames},
-          {"unmasked_frames", residue->unmasked_frames},
-          {"highest_score", std::round(1000 * residue->highest_score) / 1000},
-          {"highest_score_frame", residue->highest_frame}};
+nlohmann::json residue_json(const RemovedObject& object) {
+  if (!object.residue) return {};
+  const ObjectResidue& residue = *object.residue;
+  return {{"remains_visible", is_visible(object)},
+          {"visible_frames", residue.frames},
+          {"unmasked_frames", residue.unmasked_frames},
+          {"highest_score", std::round(1000 * residue.highest_score) / 1000},
+          {"highest_score_frame", residue.highest_frame}};
 }
 
 }  // namespace
@@ -211,7 +224,7 @@ nlohmann::json objects_json(const std::vector<RemovedObject>& objects, const std
                     {"frames", object.frames.size()},
                     {"completed_frames", object.completed},
                     {"removed_pixels", object.pixels},
-                    {"residue", residue_json(object.residue)}});
+                    {"residue", residue_json(object)}});
   return {{"schema", "dvi-objects/1"}, {"objects", list}};
 }
 

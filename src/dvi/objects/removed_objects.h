@@ -45,7 +45,7 @@ struct ObjectCounts {
   std::size_t completed_frames = 0;  ///< frames in which at least one object was completed
   std::size_t late = 0;              ///< objects that were completed before the first frame whose mask shows them whole
   std::size_t with_gaps = 0;         ///< objects that were completed between such frames
-  std::size_t visible = 0;           ///< objects that the result still shows in at least one frame
+  std::size_t visible = 0;           ///< objects that the result still shows in at least two consecutive frames
 };
 ObjectCounts count_objects(const std::vector<RemovedObject>& objects);
 void to_json(nlohmann::json& json, const ObjectCounts& counts);

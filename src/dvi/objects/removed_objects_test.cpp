@@ -113,6 +113,15 @@ TEST(RemovedObjects, ListTheFramesThatStillShowThem) {
   EXPECT_EQ(json["objects"][0]["residue"]["highest_score_frame"], 10);
 }
 
+TEST(RemovedObjects, InSingleFramesAreNotNamed) {
+  const std::vector<RemovedObject> list =
+      Scene().list(MaskSource::files, show_objects_in({0, 2}, cv::Mat1b(60, 80, uchar{255})));
+  EXPECT_THAT(list[0].residue->frames, ElementsAre(10, 12));
+  EXPECT_EQ(count_objects(list).visible, 0U);
+  EXPECT_THAT(describe_visible(list), IsEmpty());
+  EXPECT_EQ(objects_json(list, "files")["objects"][0]["residue"]["remains_visible"], false);
+}
+
 TEST(RemovedObjects, OfACorrectResultAreNotVisible) {
   const std::vector<RemovedObject> list = Scene().list(MaskSource::files, show_objects_in({}, cv::Mat1b(60, 80, uchar{255})));
   ASSERT_TRUE(list[0].residue);
@@ -136,6 +145,7 @@ TEST(RemovedObjects, AreNamedIfTheyAreLarge) {
   for (int i = 0; i < 8; ++i) {
     list[static_cast<std::size_t>(i)].number = i;
     list[static_cast<std::size_t>(i)].pixels = static_cast<std::size_t>(100 * i);
+    list[static_cast<std::size_t>(i)].frames = {3};
     list[static_cast<std::size_t>(i)].residue = ObjectResidue{{3}, 0, 0.5, 3};
   }
   const std::vector<std::string> sentences = describe_visible(list);

@@ -36,7 +36,7 @@ struct UpperEdgeParams {
   float min_edge_levels = 6;     ///< gray levels of an edge
   double min_edge_share = 0.35;  ///< the same, relative to the edges of the part that the scans show
   double max_change = 3;         ///< deviation between frames, relative to that of the scanned part, ...
-  double max_change_levels = 4;  ///< ... plus this, beyond which a row shows what is behind the object
+  double max_change_levels = 4;  ///< ... plus this, beyond which a row shows the background
   double edge_rows = 8;          ///< an edge over the whole width counts as much as so many rows with sides
   int snap_rows = 3;             ///< rows in which the strongest edge is searched at last
 };

@@ -19,7 +19,7 @@ struct BoxMaskParams {
   double min_straight_share = 0.7;  ///< share of such pieces of the outline; boxes that are dilated have round corners
   std::size_t max_boxes = 24;       ///< of one part
   double max_rest_share = 0.02;     ///< of the area that no rectangle covers
-  double max_image_share = 0.5;     ///< of the area of a part; larger ones are no objects
+  double max_image_share = 0.5;     ///< of the area of a part; larger ones are not objects
   int border_px = 15;               ///< around a part, where GrabCut learns the colors of the background
   int iterations = 4;               ///< of GrabCut; its result hardly changes afterward
   int min_seeds = 5;                ///< of objects; fewer may be errors
@@ -48,7 +48,7 @@ bool is_box_shaped(const cv::Mat1b& part) {
 // Calls `visit` with each rectangle within a mask that cannot be extended upward, to the left, or to the right.
 template <class Visit>
 void visit_rectangles(const cv::Mat1b& mask, const Visit& visit) {
-  std::vector<int> height(static_cast<std::size_t>(mask.cols) + 1, 0);  // of the column above the row; 0 at the end
+  std::vector<int> height(static_cast<std::size_t>(mask.cols) + 1, 0);  // height of the column above the row; 0 at the end
   for (int y = 0; y < mask.rows; ++y) {
     for (int x = 0; x < mask.cols; ++x) {
       int& column = height[static_cast<std::size_t>(x)];

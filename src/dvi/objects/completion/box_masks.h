@@ -10,7 +10,7 @@ namespace dvi::objects {
 /// if it has another shape. Where rectangles overlap, those are chosen that cover the part with fewest.
 std::vector<cv::Rect> split_into_boxes(const cv::Mat1b& part);
 
-/// The pixels by which objects in bounding boxes are separated from what is beside and behind them: 255 where a scan has a
+/// The pixels by which objects in bounding boxes are separated from their surroundings: 255 where a scan has a
 /// return of the respective kind.
 struct BoxSeeds {
   cv::Mat1b object, background;

@@ -253,8 +253,9 @@ class CompletedObjects::FrameDrawing {
     return is_object ? Kind::object : Kind::background;
   }
 
-  // Sorts the returns of the scan, which are in the image, into objects and background. The scanner sees past the edges of
-  // objects at other pixels than the camera, so that returns behind an object count where their rays pass beside it.
+  // Sorts the returns of the scan, which are in the image, into objects and background. The scanner observes the background
+  // past the edges of objects at other pixels than the camera, so that returns behind an object count where their rays pass
+  // beside it.
   BoxSeeds find_seeds(const std::vector<ImageReturn>& returns) const {
     const cv::Size size(drive_.camera.width, drive_.camera.height);
     BoxSeeds seeds{cv::Mat1b(size, uchar{0}), cv::Mat1b(size, uchar{0}), cv::Mat1b(size, uchar{0})};

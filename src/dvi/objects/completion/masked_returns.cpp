@@ -74,7 +74,7 @@ class MaskedThings {
   struct Extent {
     double returns = 0;
     double nearest_m = std::numeric_limits<double>::max();
-    cv::Rect box;  // of its returns in the image
+    cv::Rect box;  // extent of its returns in the image
   };
   struct Region {
     std::map<int, Extent> things;

@@ -81,7 +81,7 @@ class MaskedSurfaces {
 /// thing hides it in the image: a LiDAR on the roof observes returns above cars. If a mask covers a part of a thing, as a loose
 /// mask covers a part of the hedge beside a car, then this part belongs to the object if it is the nearest thing in the mask,
 /// most of its returns, and not a small part of the thing. In a bounding box, only the nearest thing that extends over half of
-/// the box is an object, because boxes also cover what is beside and behind their objects. `time_ns` is the time of the scan.
+/// the box is an object, because boxes also cover the surroundings of their objects. `time_ns` is the time of the scan.
 /// Returns one vote per return.
 std::vector<MaskVote> vote_by_masks(const std::vector<CameraMaskEvidence>& cameras, const ObstacleReturns& returns,
                                     std::int64_t time_ns);

@@ -4,7 +4,7 @@
   const e = dvi.element, t = dvi.texts.objects;
   const shown = 15, most = 500;
 
-  const visibleFrames = (object) => (object.residue || {}).visible_frames || [];
+  const visibleFrames = (object) => (object.residue && object.residue.remains_visible ? object.residue.visible_frames : []);
 
   /** Frame numbers as ranges, each a link to its first frame. */
   const frameLinks = (numbers) => {
