@@ -14,6 +14,7 @@
 #include "dvi/inputs/make_views.h"
 #include "dvi/inputs/rig.h"
 #include "dvi/media/image_file.h"
+#include "dvi/objects/completion/box_masks.h"
 #include "dvi/result/source_masks.h"
 
 namespace dvi::commands {
@@ -99,6 +100,13 @@ RunMasks relate_masks(const objects::GivenMasks& given) {
   return given.complete ? RunMasks::given : given.refined ? RunMasks::refined : RunMasks::extended;
 }
 
+// Returns a mask without its bounding boxes, of which a run removes only the objects in them.
+cv::Mat1b remove_boxes(const cv::Mat1b& mask) {
+  cv::Mat1b out = mask.clone();
+  for (const objects::BoxPart& part : objects::find_box_parts(mask)) out(part.area).setTo(0, part.mask);
+  return out;
+}
+
 /// Returns all masks of the run, from which no pixel may be copied: the masks of the drives together with shadows and with
 /// masks that were completed, detected, found in scans, or reprojected.
 Lazy<cv::Mat1b> collect_run_masks(const Views& views, const std::vector<std::string>& names, RunMasks relation,
@@ -108,7 +116,7 @@ Lazy<cv::Mat1b> collect_run_masks(const Views& views, const std::vector<std::str
             if (own && relation == RunMasks::given) return views.masks[i]->clone();
             const std::string file = own ? "masks/" + names[i] + ".png" : result::source_mask_file(i);
             const cv::Mat1b of_run = read_result_mask(out / file, views[i].camera);
-            return relation == RunMasks::refined ? of_run : cv::Mat1b(*views.masks[i] | of_run);
+            return cv::Mat1b(of_run | (relation == RunMasks::refined ? remove_boxes(*views.masks[i]) : *views.masks[i]));
           }};
 }
 

@@ -35,6 +35,7 @@ struct ObjectOptions {
     table.section("objects");
     table.add("complete", complete,
               "Remove an object also from frames and cameras in which its masks, labels, or detections are missing.");
+    table.developer();
     table.add("refine", refine, "Keep the background that bounding boxes cover.");
   }
 };
