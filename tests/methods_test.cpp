@@ -128,10 +128,10 @@ TEST_F(Methods, ForecastAgreesWithTheRun) {
     const nlohmann::json forecast = nlohmann::json::parse(result.out);
     ASSERT_EQ(dvi("run " + drives + " -o out --force --quiet").code, 0);
     const nlohmann::json report = json("out/report.json");
-    EXPECT_NEAR(forecast["hole"]["unobserved"].get<double>(), report["hole"]["share"]["unobserved"].get<double>(), 0.02)
+    EXPECT_NEAR(forecast["hole"]["unobserved"].get<double>(), report["hole"]["share"]["unobserved"].get<double>(), 0.03)
         << drives;
     EXPECT_NEAR(forecast["hole"]["copied_elsewhere"].get<double>(), report["hole"]["share"]["copied_elsewhere"].get<double>(),
-                0.02);
+                0.03);
     ASSERT_EQ(forecast["frames"].size(), report["frames"].size());
     for (std::size_t i = 0; i < forecast["frames"].size(); ++i)
       EXPECT_EQ(forecast["frames"][i]["name"], report["frames"][i]["name"]);

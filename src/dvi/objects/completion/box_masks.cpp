@@ -25,6 +25,7 @@ struct BoxMaskParams {
   int min_seeds = 5;                ///< of objects; fewer may be errors
   float min_distance_px = 2;        ///< between a seed of the background and the next one of an object, at edges of objects
   float max_ground_px = 6;          ///< distance to a return on the ground beside an object, as between rays
+  float max_reach_px = 60;          ///< distance to a return of an object up to which its margin applies
   float max_ray_gap_px = 8;         ///< distance to a return behind the object, without which the background is not observed
   double margin_share = 0.0025;     ///< blur of the object's edge and errors of the extrinsics, relative to the image's width
   int gap_px = 2;                   ///< gaps between an object and its shadow
@@ -69,7 +70,7 @@ void visit_rectangles(const cv::Mat1b& mask, const Visit& visit) {
 }
 
 // Marks the pixels of a part of a mask that belong to objects, by GrabCut.
-cv::Mat1b cut_out_objects(const cv::Mat3b& image, const cv::Mat1b& part, const BoxSeeds& seeds, int margin_px) {
+cv::Mat1b cut_out_objects(const cv::Mat3b& image, const cv::Mat1b& part, const BoxSeeds& seeds, int min_margin_px) {
   cv::Mat1f to_object, to_background, to_ground;
   cv::distanceTransform(cv::Mat1b(~seeds.object), to_object, cv::DIST_L2, cv::DIST_MASK_5);
   cv::distanceTransform(cv::Mat1b(~seeds.background), to_background, cv::DIST_L2, cv::DIST_MASK_5);
@@ -89,7 +90,15 @@ cv::Mat1b cut_out_objects(const cv::Mat3b& image, const cv::Mat1b& part, const B
   cv::Mat1b object((state == cv::GC_FGD) | (state == cv::GC_PR_FGD));
   object |= cv::Mat1b(to_background > kBoxMasks.max_ray_gap_px);
   object |= cv::Mat1b(to_ground < to_background) & cv::Mat1b(to_ground < kBoxMasks.max_ground_px);
-  object = grown(grown(object, kBoxMasks.gap_px), margin_px - kBoxMasks.gap_px);
+  object = grown(grown(object, kBoxMasks.gap_px), min_margin_px - kBoxMasks.gap_px);
+  const NearestPixel seed(seeds.object);
+  cv::Mat1f distance;
+  cv::distanceTransform(cv::Mat1b(~object), distance, cv::DIST_L2, cv::DIST_MASK_5);
+  for (int y = 0; y < part.rows; ++y)
+    for (int x = 0; x < part.cols; ++x)
+      if (part(y, x) != 0 && object(y, x) == 0)
+        if (const auto nearest = seed.find({x, y}, kBoxMasks.max_reach_px))
+          if (distance(y, x) <= seeds.margin_px(*nearest)) object(y, x) = 255;
   return cv::Mat1b(object & part);
 }
 
@@ -104,6 +113,20 @@ cv::Mat1b find_boxes_without_objects(const cv::Mat1b& part, const std::vector<cv
 }
 
 }  // namespace
+
+NearestPixel::NearestPixel(const cv::Mat1b& pixels) {
+  if (cv::countNonZero(pixels) == 0) return;
+  cv::distanceTransform(cv::Mat1b(~pixels), distance_px_, label_, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
+  pixels_.resize(static_cast<std::size_t>(cv::countNonZero(pixels)) + 1);
+  for (int y = 0; y < pixels.rows; ++y)
+    for (int x = 0; x < pixels.cols; ++x)
+      if (pixels(y, x) != 0) pixels_[static_cast<std::size_t>(label_(y, x))] = {x, y};
+}
+
+std::optional<cv::Point> NearestPixel::find(cv::Point pixel, float max_distance_px) const {
+  if (pixels_.empty() || distance_px_(pixel) > max_distance_px) return std::nullopt;
+  return pixels_[static_cast<std::size_t>(label_(pixel))];
+}
 
 std::vector<cv::Rect> split_into_boxes(const cv::Mat1b& part) {
   std::vector<cv::Rect> out;
@@ -146,7 +169,8 @@ std::vector<BoxPart> find_box_parts(const cv::Mat1b& mask) {
 }
 
 cv::Mat1b find_background(const BoxPart& part, const cv::Mat3b& image, const BoxSeeds& seeds) {
-  const BoxSeeds within{seeds.object(part.area), seeds.background(part.area), seeds.ground(part.area)};
+  const BoxSeeds within{seeds.object(part.area), seeds.background(part.area), seeds.margin_px(part.area),
+                        seeds.ground(part.area)};
   if (cv::countNonZero(within.object & part.mask) < kBoxMasks.min_seeds) return {part.mask.size(), uchar{0}};
   const int margin_px = std::max(1, cvRound(kBoxMasks.margin_share * image.cols));
   const cv::Mat1b kept = find_boxes_without_objects(part.mask, part.boxes, within.object);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -10,11 +11,26 @@ namespace dvi::objects {
 /// if it has another shape. Where rectangles overlap, those are chosen that cover the part with fewest.
 std::vector<cv::Rect> split_into_boxes(const cv::Mat1b& part);
 
+/// Finds the nearest of the pixels that are 255 in an image.
+class NearestPixel {
+ public:
+  explicit NearestPixel(const cv::Mat1b& pixels);
+
+  /// Returns the nearest pixel; nothing if there is none within a distance.
+  std::optional<cv::Point> find(cv::Point pixel, float max_distance_px) const;
+
+ private:
+  cv::Mat1f distance_px_;
+  cv::Mat1i label_;
+  std::vector<cv::Point> pixels_;  // by label
+};
+
 /// The pixels by which objects in bounding boxes are separated from their surroundings: 255 where a scan has a
 /// return of the respective kind.
 struct BoxSeeds {
   cv::Mat1b object, background;
-  cv::Mat1b ground;  ///< on the ground below and beside objects, which their shadows may cover
+  cv::Mat1f margin_px;  ///< at returns of objects: distance beyond which the object does not extend, as far as scans show it
+  cv::Mat1b ground;     ///< on the ground below and beside objects, which their shadows may cover
 };
 
 /// A connected part of a mask that consists of bounding boxes.

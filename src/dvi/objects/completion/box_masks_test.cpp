@@ -55,7 +55,8 @@ struct DiskInBox {
   cv::Mat3b image = cv::Mat3b(120, 200);
   cv::Mat1b disk = cv::Mat1b(120, 200, uchar{0});
   cv::Mat1b mask = draw_boxes({{60, 20, 80, 80}});
-  BoxSeeds seeds{cv::Mat1b(120, 200, uchar{0}), cv::Mat1b(120, 200, uchar{0}), cv::Mat1b(120, 200, uchar{0})};
+  BoxSeeds seeds{cv::Mat1b(120, 200, uchar{0}), cv::Mat1b(120, 200, uchar{0}), cv::Mat1f(120, 200, 0.F),
+                 cv::Mat1b(120, 200, uchar{0})};
 
   DiskInBox() {
     cv::circle(disk, {100, 60}, 35, 255, cv::FILLED);
@@ -85,12 +86,20 @@ TEST(BoxMasks, AreReducedToTheObjectsInThem) {
   EXPECT_EQ(cv::countNonZero(beside & ~background), 0);
 }
 
+TEST(BoxMasks, HaveTheMarginsOfTheirObjects) {
+  DiskInBox scene;
+  scene.seeds.margin_px.setTo(8);
+  const cv::Mat1b background = find_background_in_boxes(scene, scene.seeds);
+  EXPECT_EQ(cv::countNonZero(background & grown(scene.disk, 7)), 0);
+  EXPECT_GT(cv::countNonZero(background), 200);
+}
+
 TEST(BoxMasks, RemainWithoutReturns) {
   DiskInBox scene;
   const cv::Mat1b none(scene.mask.size(), uchar{0});
-  EXPECT_EQ(cv::countNonZero(find_background_in_boxes(scene, {none, scene.seeds.background, none})), 0)
+  EXPECT_EQ(cv::countNonZero(find_background_in_boxes(scene, {none, scene.seeds.background, scene.seeds.margin_px, none})), 0)
       << "no return on the object";
-  EXPECT_EQ(cv::countNonZero(find_background_in_boxes(scene, {scene.seeds.object, none, none})), 0)
+  EXPECT_EQ(cv::countNonZero(find_background_in_boxes(scene, {scene.seeds.object, none, scene.seeds.margin_px, none})), 0)
       << "no return on the background";
   EXPECT_TRUE(find_box_parts(none).empty());
 }

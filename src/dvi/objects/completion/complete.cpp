@@ -36,8 +36,12 @@ struct CompletionParams {
   int shadow_columns = 4;            ///< columns around an object whose ground its shadow may cover: 1 m
   /// Time to the scans that show whether something moves.
   std::array<double, 4> compared_s{-1, -0.5, 0.5, 1};
-  float max_parallax_px = 12;  ///< distance to an object in the image up to which it may hide a return from the camera
-  double top_margin_m = 0.3;   ///< returns this far above an object are behind it
+  float max_parallax_px = 12;     ///< distance to an object in the image up to which it may hide a return from the camera
+  double max_object_m = 4.5;      ///< height of objects above the ground
+  double body_margin_m = 0.2;     ///< by which drawn objects are larger than they are, in meters ...
+  int body_margin_px = 2;         ///< ... and in pixels
+  double object_margin_m = 0.08;  ///< by which objects extend beyond their silhouettes: roofs and glass return little
+  double top_margin_m = 0.3;      ///< returns this far above an object are behind it
 };
 constexpr CompletionParams kCompletion;
 
@@ -99,28 +103,16 @@ cv::Rect enlarge(const cv::Rect& rect, int border_px, cv::Size image) {
          cv::Rect({}, image);
 }
 
-// Finds the nearest of the pixels that are 255 in an image.
-class NearestSeed {
- public:
-  explicit NearestSeed(const cv::Mat1b& seeds) {
-    if (cv::countNonZero(seeds) == 0) return;
-    cv::distanceTransform(cv::Mat1b(~seeds), distance_px_, label_, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
-    pixels_.resize(static_cast<std::size_t>(cv::countNonZero(seeds)) + 1);
-    for (int y = 0; y < seeds.rows; ++y)
-      for (int x = 0; x < seeds.cols; ++x)
-        if (seeds(y, x) != 0) pixels_[static_cast<std::size_t>(label_(y, x))] = {x, y};
-  }
-
-  std::optional<cv::Point> find(cv::Point pixel, float max_distance_px) const {
-    if (pixels_.empty() || distance_px_(pixel) > max_distance_px) return std::nullopt;
-    return pixels_[static_cast<std::size_t>(label_(pixel))];
-  }
-
- private:
-  cv::Mat1f distance_px_;
-  cv::Mat1i label_;
-  std::vector<cv::Point> pixels_;  // by label
-};
+// Draws the convex hull of a silhouette: roofs and windows return little.
+cv::Mat1b draw_convex_hull(const cv::Mat1b& silhouette) {
+  cv::Mat1b out(silhouette.size(), uchar{0});
+  std::vector<cv::Point> pixels, corners;
+  cv::findNonZero(silhouette, pixels);
+  if (pixels.empty()) return out;
+  cv::convexHull(pixels, corners);
+  cv::fillConvexPoly(out, corners, 255);
+  return out;
+}
 
 // Returns the part of an object that a mask lacks, without the deviations at the border of the mask.
 cv::Mat1b find_uncovered(const cv::Mat1b& object, const cv::Mat1b& mask, int border_px) {
@@ -190,16 +182,19 @@ class CompletedObjects::FrameDrawing {
     };
     const auto add_columns = [&](const ObjectColumns& columns, double max_covered_share) {
       if (columns.empty()) return;
-      drawn_.add(columns);
-      add(columns.draw(all_.ground_, drive_.camera, camera_from_world_), columns.nearest_m(camera_from_world_),
-          max_covered_share);
+      columns_.add(columns);
+      const cv::Mat1b drawn = columns.draw(all_.ground_, drive_.camera, camera_from_world_);
+      const double depth_m = columns.nearest_m(camera_from_world_);
+      bodies_.push_back(
+          grown_far(drawn, -kCompletion.body_margin_px - to_pixels(kCompletion.body_margin_m, depth_m, drive_.camera)));
+      add(drawn, depth_m, max_covered_share);
     };
     add_columns(occupied, 1);
     for (const ObjectColumns& columns : moving) add_columns(columns, kCompletion.max_covered_share);
     if (box) {
       const cv::Mat1b drawn = draw_box(*box);
       add(drawn, (camera_from_world_ * box->frame_from_box.t).z(), 1);
-      boxed_ = boxed_.empty() ? drawn : cv::Mat1b(boxed_ | drawn);
+      bodies_.push_back(drawn);
     }
     add_label(number, type, lacking, completed);
     add_label(number, type, covered, shown);
@@ -208,13 +203,13 @@ class CompletedObjects::FrameDrawing {
   // Returns the background that bounding boxes of a mask cover, once all objects are drawn.
   cv::Mat1b find_covered_background(std::size_t frame, const cv::Mat1b& mask, const Trajectory& world_from_lidar) const {
     cv::Mat1b out(mask.size(), uchar{0});
-    if (drawn_.empty() || !scan_) return out;
+    if (columns_.empty() || !scan_) return out;
     const std::vector<BoxPart> parts = find_box_parts(mask);
     if (parts.empty()) return out;
     const BoxSeeds seeds = find_seeds(project_returns(drive_, frame, world_from_lidar));
     const auto image = drive_.images[frame];
     for (const BoxPart& part : parts) find_background(part, *image, seeds).copyTo(out(part.area), part.mask);
-    if (!boxed_.empty()) out.setTo(0, boxed_);
+    for (const cv::Mat1b& body : bodies_) out.setTo(0, draw_convex_hull(body));
     return out;
   }
 
@@ -242,15 +237,16 @@ class CompletedObjects::FrameDrawing {
     return seen != FreeSpace::Seen::passed && seen != FreeSpace::Seen::hidden;
   }
 
-  enum class Kind { object, ground, background };
+  enum class Kind { unknown, object, ground, background };
 
   Kind classify(const Eigen::Vector3d& world) const {
     const std::optional<double> ground_m = all_.ground_.height(world.head<2>());
     if (ground_m && world.z() < *ground_m + kCompletion.ground_m)
-      return drawn_.top_near(world.head<2>(), kCompletion.shadow_columns) ? Kind::ground : Kind::background;
-    const std::optional<double> top_m = drawn_.top_near(world.head<2>(), 1);
-    const bool is_object = top_m ? world.z() < *top_m + kCompletion.top_margin_m : is_free_at_other_times(world);
-    return is_object ? Kind::object : Kind::background;
+      return columns_.top_near(world.head<2>(), kCompletion.shadow_columns) ? Kind::ground : Kind::background;
+    const std::optional<double> top_m = columns_.top_near(world.head<2>(), 1);
+    if (top_m) return world.z() < *top_m + kCompletion.top_margin_m ? Kind::object : Kind::background;
+    if (!ground_m || world.z() > *ground_m + kCompletion.max_object_m) return Kind::background;
+    return find_motion(world);
   }
 
   // Sorts the returns of the scan, which are in the image, into objects and background. The scanner observes the background
@@ -258,7 +254,7 @@ class CompletedObjects::FrameDrawing {
   // beside it.
   BoxSeeds find_seeds(const std::vector<ImageReturn>& returns) const {
     const cv::Size size(drive_.camera.width, drive_.camera.height);
-    BoxSeeds seeds{cv::Mat1b(size, uchar{0}), cv::Mat1b(size, uchar{0}), cv::Mat1b(size, uchar{0})};
+    BoxSeeds seeds{cv::Mat1b(size, uchar{0}), cv::Mat1b(size, uchar{0}), cv::Mat1f(size, 0.F), cv::Mat1b(size, uchar{0})};
     cv::Mat1f object_m(size, 0.F);
     std::vector<Eigen::Vector3d> behind;
     const SE3 world_from_camera = camera_from_world_.inverse();
@@ -269,6 +265,9 @@ class CompletedObjects::FrameDrawing {
         case Kind::object:
           seeds.object(pixel) = 255;
           object_m(pixel) = r[2];
+          seeds.margin_px(pixel) = static_cast<float>(kCompletion.object_margin_m * drive_.camera.fx) / r[2];
+          break;
+        case Kind::unknown:
           break;
         case Kind::ground:
           seeds.ground(pixel) = 255;
@@ -278,7 +277,7 @@ class CompletedObjects::FrameDrawing {
           break;
       }
     }
-    const NearestSeed nearest(seeds.object);
+    const NearestPixel nearest(seeds.object);
     const Eigen::Vector3d scanner = camera_from_world_ * space_->sensor();
     for (const Eigen::Vector3d& x : behind) {
       const Eigen::Vector2d at = drive_.camera.project(x);
@@ -293,13 +292,18 @@ class CompletedObjects::FrameDrawing {
     return seeds;
   }
 
-  // Returns whether a scan shortly before or after observes a position as free.
-  bool is_free_at_other_times(const Eigen::Vector3d& world) const {
-    return std::any_of(kCompletion.compared_s.begin(), kCompletion.compared_s.end(), [&](double offset_s) {
+  // Returns whether a return is of a moving object, because a scan shortly before or after shows its position as free, or of
+  // the background, because one shows a surface there.
+  Kind find_motion(const Eigen::Vector3d& world) const {
+    Kind kind = Kind::unknown;
+    for (const double offset_s : kCompletion.compared_s) {
       const auto scan = all_.returns_.find_scan(time_ns_ + std::llround(1e9 * offset_s));
-      return scan && all_.returns_.is_trusted(*scan) &&
-             all_.returns_.free_space(*scan)->judge(world, kJudgedRadiusM) == FreeSpace::Seen::passed;
-    });
+      if (!scan || !all_.returns_.is_trusted(*scan)) continue;
+      const FreeSpace::Seen seen = all_.returns_.free_space(*scan)->judge(world, kJudgedRadiusM);
+      if (seen == FreeSpace::Seen::passed) return Kind::object;
+      if (seen == FreeSpace::Seen::hit) kind = Kind::background;
+    }
+    return kind;
   }
 
   // Returns whether an object at a position covers more than a few pixels.
@@ -337,8 +341,8 @@ class CompletedObjects::FrameDrawing {
   Eigen::Vector3d camera_in_world_;
   std::optional<std::size_t> scan_;  // taken with the frame
   std::shared_ptr<const FreeSpace> space_;
-  ObjectColumns drawn_;  // the objects, as far as scans show them
-  cv::Mat1b boxed_;      // the objects with labeled 3D boxes
+  ObjectColumns columns_;          // the objects, as far as scans show them
+  std::vector<cv::Mat1b> bodies_;  // the same in the image, and labeled 3D boxes
 };
 
 ObjectOutlines CompletedObjects::draw(const CameraMaskEvidence& evidence) const {
