@@ -190,7 +190,8 @@ class Scorer:
         with tempfile.TemporaryDirectory(dir=self.root) as folder:
             for part, place in (("frames", frames), ("masks", dvi / "masks"), ("kind", dvi / "kind")):
                 (Path(folder) / part).symlink_to(place)
-            return self.evaluate(case, Path(folder))
+            # Ghosts are counted in results of dvi only, by their sources.
+            return {**self.evaluate(case, Path(folder)), "ghosts_left_out": None}
 
     def external(self, case: Case, name: str, frames: Path) -> dict:
         folder = self.result_folder(case, name)

@@ -36,12 +36,13 @@ struct CompletionParams {
   int shadow_columns = 4;            ///< columns around an object whose ground its shadow may cover: 1 m
   /// Time to the scans that show whether something moves.
   std::array<double, 4> compared_s{-1, -0.5, 0.5, 1};
-  float max_parallax_px = 12;     ///< distance to an object in the image up to which it may hide a return from the camera
-  double max_object_m = 4.5;      ///< height of objects above the ground
-  double body_margin_m = 0.2;     ///< by which drawn objects are larger than they are, in meters ...
-  int body_margin_px = 2;         ///< ... and in pixels
-  double object_margin_m = 0.08;  ///< by which objects extend beyond their silhouettes: roofs and glass return little
-  double top_margin_m = 0.3;      ///< returns this far above an object are behind it
+  float max_parallax_px = 12;        ///< distance to an object in the image up to which it may hide a return from the camera
+  double max_object_m = 4.5;         ///< height of objects above the ground
+  double body_margin_m = 0.2;        ///< by which drawn objects are larger than they are, in meters ...
+  int body_margin_px = 2;            ///< ... and in pixels
+  double min_margin_share = 0.0025;  ///< smallest margin of drawn objects, relative to the image's width: blur
+  double object_margin_m = 0.08;     ///< by which objects extend beyond their silhouettes: roofs and glass return little
+  double top_margin_m = 0.3;         ///< returns this far above an object are behind it
 };
 constexpr CompletionParams kCompletion;
 
@@ -178,7 +179,10 @@ class CompletedObjects::FrameDrawing {
       covered |= drawn & mask;
       if (cv::countNonZero(drawn & mask) > max_covered_share * cv::countNonZero(drawn)) return;
       const int border_px = std::max(kCompletion.min_border_px, to_pixels(kCompletion.border_m, depth_m, drive_.camera));
-      lacking |= find_uncovered(drawn, mask, border_px);
+      const cv::Mat1b uncovered = find_uncovered(drawn, mask, border_px);
+      const int margin_px = std::max(cvRound(kCompletion.min_margin_share * mask.cols),
+                                     to_pixels(kCompletion.object_margin_m, depth_m, drive_.camera));
+      lacking |= cv::countNonZero(uncovered) == 0 ? uncovered : cv::Mat1b(grown_far(uncovered, margin_px) & ~mask);
     };
     const auto add_columns = [&](const ObjectColumns& columns, double max_covered_share) {
       if (columns.empty()) return;

@@ -110,7 +110,7 @@ TEST(Completion, RemovesLittleIfTheMasksAreThoseOfOtherFrames) {
   const FrameMasks drawn = MaskedDrive(street.drive, masks).complete();
   // The masks cover 5 % of each image. Most static surfaces in them are visible outside of the masks in more frames.
   for (std::size_t i = 0; i < 20; ++i)
-    EXPECT_LT(cv::countNonZero(drawn[i] & ~grown(street.given[i], 3)), 0.01 * static_cast<double>(drawn[i].total()))
+    EXPECT_LT(cv::countNonZero(drawn[i] & ~grown(street.given[i], 3)), 0.012 * static_cast<double>(drawn[i].total()))
         << "frame " << i;
 }
 
@@ -146,7 +146,7 @@ TEST(Completion, CoversAParkedCarThatSomeMasksShow) {
   const FrameMasks drawn = MaskedDrive(situation.drive(), drop(truth, dropped)).complete();
   EXPECT_GE(compute_coverage(drawn, truth, dropped), 0.97);
   for (const std::size_t i : dropped)
-    EXPECT_LT(cv::countNonZero(drawn[i] & ~truth[i]), cv::countNonZero(truth[i])) << "frame " << i;
+    EXPECT_LT(cv::countNonZero(drawn[i] & ~grown(truth[i], 2)), cv::countNonZero(truth[i])) << "frame " << i;
 }
 
 TEST(Completion, AddsNothingInOtherFramesIfOneMaskCoversTheImage) {
