@@ -228,13 +228,14 @@ void complete_drive(const Evidence& evidence, std::size_t own, const RemovalOpti
   warn_of_repeated_tracks(cameras.front(), progress);
   const DriveMotion& motion = moving.of_drive(own);
   progress.begin("complete", motion.returns->scans());
-  const CompletedObjects completed({cameras, *motion.returns, *motion.ground, motion.tracks, options.masks}, progress.tick());
+  const CompletedObjects completed(
+      {cameras, *motion.returns, *motion.ground, motion.tracks, options.masks, options.objects.refine}, progress.tick());
   progress.end();
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     ObjectOutlines outlines = completed.draw(cameras[i]);
     objects_of[i]->completed = shared(std::move(outlines.completed));
     objects_of[i]->shown = shared(std::move(outlines.shown));
-    if (options.objects.refine) objects_of[i]->background = shared(std::move(outlines.background));
+    objects_of[i]->background = shared(std::move(outlines.background));
     objects_of[i]->motions = completed.motions();
   }
 }

@@ -24,9 +24,9 @@ inline constexpr ResidueParams kResidue;
 /// One frame before and after the removal of objects.
 struct ResultImages {
   cv::Mat3b input, result;
-  cv::Mat1b removed;  ///< 255 where objects were removed
-  cv::Mat1b copied;   ///< 255 where pixels of other images were copied
-  cv::Mat1b things;   ///< 255 where the scan of the frame shows something in front of the static scene; empty without scans
+  cv::Mat1b removed;   ///< 255 where objects were removed
+  cv::Mat1b copied;    ///< 255 where pixels of other images were copied
+  cv::Mat1b things{};  ///< 255 where the scan of the frame shows something in front of the static scene; empty without scans
 };
 
 /// Reads a frame of a drive; none if the result lacks it. It is called from several threads at once.

@@ -22,6 +22,7 @@ struct BoxMaskParams {
   double max_image_share = 0.5;     ///< of the area of a part; larger ones are not objects
   int border_px = 15;               ///< around a part, where GrabCut learns the colors of the background
   int iterations = 4;               ///< of GrabCut; its result hardly changes afterward
+  int max_pixels = 40000;           ///< of an area for GrabCut; larger ones are reduced in size, because its cost is high
   int min_seeds = 5;                ///< of objects; fewer may be errors
   float min_distance_px = 2;        ///< between a seed of the background and the next one of an object, at edges of objects
   float max_ground_px = 6;          ///< distance to a return on the ground beside an object, as between rays
@@ -69,6 +70,36 @@ void visit_rectangles(const cv::Mat1b& mask, const Visit& visit) {
   }
 }
 
+// Reduces the initial state of GrabCut in size: a pixel is of an object if any of its pixels certainly is, else of the
+// background if any of these certainly is.
+cv::Mat1b reduce_state(const cv::Mat1b& state, int factor) {
+  cv::Mat1b out(state.rows / factor, state.cols / factor);
+  for (int y = 0; y < out.rows; ++y)
+    for (int x = 0; x < out.cols; ++x) {
+      const cv::Mat1b block = state(cv::Rect(x * factor, y * factor, factor, factor));
+      const auto has = [&](int value) { return std::find(block.begin(), block.end(), value) != block.end(); };
+      out(y, x) = has(cv::GC_FGD)      ? cv::GC_FGD
+                  : has(cv::GC_BGD)    ? cv::GC_BGD
+                  : has(cv::GC_PR_FGD) ? cv::GC_PR_FGD
+                                       : cv::GC_PR_BGD;
+    }
+  return out;
+}
+
+// Runs GrabCut from an initial state, and returns the pixels of objects.
+cv::Mat1b run_grab_cut(const cv::Mat3b& image, const cv::Mat1b& state) {
+  const int factor = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(image.total()) / kBoxMasks.max_pixels)));
+  cv::Mat1b reduced = factor == 1 ? state.clone() : reduce_state(state, factor);
+  cv::Mat3b small;
+  cv::resize(image(cv::Rect(0, 0, reduced.cols * factor, reduced.rows * factor)), small, reduced.size(), 0, 0, cv::INTER_AREA);
+  cv::Mat background_model, object_model;
+  cv::grabCut(small, reduced, {}, background_model, object_model, kBoxMasks.iterations, cv::GC_INIT_WITH_MASK);
+  cv::Mat1b out, object((reduced == cv::GC_FGD) | (reduced == cv::GC_PR_FGD));
+  cv::resize(object, out, {reduced.cols * factor, reduced.rows * factor}, 0, 0, cv::INTER_NEAREST);
+  cv::copyMakeBorder(out, out, 0, image.rows - out.rows, 0, image.cols - out.cols, cv::BORDER_REPLICATE);
+  return out;
+}
+
 // Marks the pixels of a part of a mask that belong to objects, by GrabCut.
 cv::Mat1b cut_out_objects(const cv::Mat3b& image, const cv::Mat1b& part, const BoxSeeds& seeds, int min_margin_px) {
   cv::Mat1f to_object, to_background, to_ground;
@@ -85,9 +116,7 @@ cv::Mat1b cut_out_objects(const cv::Mat3b& image, const cv::Mat1b& part, const B
                         ? cv::GC_BGD
                         : (is_nearer ? cv::GC_PR_FGD : cv::GC_PR_BGD);
     }
-  cv::Mat background_model, object_model;
-  cv::grabCut(image, state, {}, background_model, object_model, kBoxMasks.iterations, cv::GC_INIT_WITH_MASK);
-  cv::Mat1b object((state == cv::GC_FGD) | (state == cv::GC_PR_FGD));
+  cv::Mat1b object = run_grab_cut(image, state);
   object |= cv::Mat1b(to_background > kBoxMasks.max_ray_gap_px);
   object |= cv::Mat1b(to_ground < to_background) & cv::Mat1b(to_ground < kBoxMasks.max_ground_px);
   object = grown(grown(object, kBoxMasks.gap_px), min_margin_px - kBoxMasks.gap_px);

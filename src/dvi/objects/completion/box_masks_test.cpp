@@ -94,6 +94,22 @@ TEST(BoxMasks, HaveTheMarginsOfTheirObjects) {
   EXPECT_GT(cv::countNonZero(background), 200);
 }
 
+TEST(BoxMasks, AreReducedToTheirObjectsAlsoIfTheyAreLarge) {
+  DiskInBox scene;
+  const auto enlarge = [](auto& image) { cv::resize(image, image, {}, 4, 4, cv::INTER_NEAREST); };
+  enlarge(scene.image);
+  enlarge(scene.disk);
+  enlarge(scene.mask);
+  enlarge(scene.seeds.object);
+  enlarge(scene.seeds.background);
+  enlarge(scene.seeds.margin_px);
+  enlarge(scene.seeds.ground);
+  const cv::Mat1b background = find_background_in_boxes(scene, scene.seeds);
+  EXPECT_EQ(cv::countNonZero(background & scene.disk), 0);
+  const cv::Mat1b beside(scene.mask & ~grown(scene.disk, 14));
+  EXPECT_EQ(cv::countNonZero(beside & ~background), 0);
+}
+
 TEST(BoxMasks, RemainWithoutReturns) {
   DiskInBox scene;
   const cv::Mat1b none(scene.mask.size(), uchar{0});

@@ -133,7 +133,7 @@ cv::Mat1b find_uncovered(const cv::Mat1b& object, const cv::Mat1b& mask, int bor
 }  // namespace
 
 CompletedObjects::CompletedObjects(const CompletionInput& input, const Tick& tick)
-    : returns_(input.returns), ground_(input.ground), options_(input.options) {
+    : returns_(input.returns), ground_(input.ground), options_(input.options), refine_(input.refine) {
   if (input.cameras.empty()) return;
   const CameraMaskEvidence& own = input.cameras.front();
   std::vector<OccupiedVoxel> voxels = find_object_space(input.cameras, input.returns, tick);
@@ -359,6 +359,7 @@ ObjectOutlines CompletedObjects::draw(const CameraMaskEvidence& evidence) const 
     FrameDrawing drawing(*this, camera, i, *pose);
     const auto mask = evidence.removed[i];
     for (const auto& [number, object] : objects_) drawing.draw(number, object, *mask, out.completed[i], out.shown[i]);
+    if (!refine_) return;
     const cv::Mat1b background = drawing.find_covered_background(i, *evidence.masks[i], camera.world_from_lidar);
     if (cv::countNonZero(background) == 0) return;
     out.background[i].emplace_back();

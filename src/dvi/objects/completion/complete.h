@@ -25,6 +25,7 @@ struct CompletionInput {
   const ground::ScanGround& ground;
   const std::vector<Track>& tracks;  ///< the moving objects of the drive, whether masks show them or not
   const MaskOptions& options;        ///< of the masks of labels
+  bool refine = true;                ///< whether the background that bounding boxes cover is found
 };
 
 /// Outlines of objects in the frames of one camera. The track of a label is the number of its object.
@@ -62,6 +63,7 @@ class CompletedObjects {
   const MovingReturns& returns_;
   const ground::ScanGround& ground_;
   MaskOptions options_;
+  bool refine_;
   std::map<int, CompletedObject> objects_;  // by number: the track of its labels, or a higher number
 };
 
