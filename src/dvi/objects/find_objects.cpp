@@ -205,8 +205,7 @@ void warn_of_repeated_tracks(const CameraMaskEvidence& own, Progress& progress) 
   const auto [track, frame] = *repeated.begin();
   progress.warn(
       fmt::format("{}: {} of the labeled tracks have several 3D boxes in one frame, such as track {} in frame {}, so their "
-                  "boxes do not show "
-                  "where the objects are in other frames; give each object a track number of its own",
+                  "boxes do not show where the objects are in other frames; give each object a track number of its own",
                   own.camera.name, repeated.size(), track, own.camera.drive.frames[frame].number));
 }
 

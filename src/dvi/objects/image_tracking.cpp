@@ -11,6 +11,7 @@
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
 #include "dvi/drive/outline.h"
+#include "dvi/image/enlarge.h"
 #include "dvi/image/gray.h"
 #include "dvi/image/optical_flow.h"
 #include "dvi/image/region.h"
@@ -236,10 +237,9 @@ class ImageTracker {
 
   // Returns the predicted motion, corrected by optical flow if this increases the similarity of the object in both images.
   Similarity correct_motion(const Step& step, const Hull& hull, const cv::Mat1b& object, const Similarity& predicted) const {
-    const cv::Rect image_area({}, object.size()), box = cv::boundingRect(hull) & image_area;
+    const cv::Rect box = cv::boundingRect(hull) & cv::Rect({}, object.size());
     const int margin = std::max(kMinFlowSidePx / 2, cvRound(kImageTracking.flow_margin * std::max(box.width, box.height)));
-    const cv::Rect patch =
-        cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) & image_area;
+    const cv::Rect patch = enlarge(box, margin, object.size());
     if (patch.width < kMinFlowSidePx || patch.height < kMinFlowSidePx) return predicted;
     const auto& images = comparison_.views().images;
     const cv::Mat1b here = gray_8bit(*images[step.from])(patch).clone(), image = gray_8bit(*images[step.to]);

@@ -6,6 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/image/enlarge.h"
 #include "dvi/image/region.h"
 #include "dvi/objects/background_comparison.h"
 #include "dvi/objects/cache_masks.h"
@@ -179,8 +180,7 @@ class SilhouetteFinder {
     for (const cv::Rect& part : find_part_boxes(outline)) {
       const int width =
           std::max(compute_boundary_width_px(part), kSilhouette.band_radii * compute_edge_search_radius_px(outline.size()));
-      const cv::Rect box(part.x - width, part.y - width, part.width + 2 * width, part.height + 2 * width);
-      band(box & cv::Rect({}, band.size())) = 255;
+      band(enlarge(part, width, band.size())) = 255;
     }
     ImageDifference out = comparison_.compare(target, band);
     const auto half = comparison_.half_size_view(target);

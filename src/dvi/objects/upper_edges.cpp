@@ -75,7 +75,6 @@ std::optional<ScannedTop> find_scanned_top(const Track& track, std::int64_t time
                                            const SE3& camera_from_world) {
   const std::size_t nearest = track.nearest(time_ns);
   const Cluster& cluster = track.observations[nearest];
-  if (std::abs(seconds_between(cluster.mean_time_ns, time_ns)) > kUpperEdge.max_gap_s) return std::nullopt;
   const Eigen::Vector2d velocity = track.velocity(nearest);
   const double top_m = top_of(cluster);
   std::vector<std::pair<double, Eigen::Vector2d>> at;  // column of the image, and position

@@ -16,6 +16,7 @@
 
 #include "dvi/drive/near_views.h"
 #include "dvi/image/interpolate.h"
+#include "dvi/image/nearest_pixel.h"
 #include "dvi/sample/source_score.h"
 
 namespace dvi::sample {
@@ -145,20 +146,16 @@ Region select_known_pixels(const cv::Mat1b& mask) {
 
 /// Finds, for each of the pixels, the index of the nearest hole pixel that has a candidate; the size of the hole if none has.
 std::vector<std::size_t> find_nearest_copied(const Candidates& hole, const Region& pixels) {
-  cv::Mat1b missing(hole.hole.index.size(), uchar{255});
+  cv::Mat1b copied(hole.hole.index.size(), uchar{0});
   for (std::size_t i = 0; i < hole.leading.size(); ++i)
-    if (hole.leading[i].found()) missing(hole.hole.pixels[i]) = 0;
-  if (cv::countNonZero(missing) == static_cast<int>(missing.total()))
-    return std::vector<std::size_t>(pixels.size(), hole.hole.size());
-  cv::Mat distance;
-  cv::Mat1i label;
-  cv::distanceTransform(missing, distance, label, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
-  std::vector<std::size_t> of_label(static_cast<std::size_t>(cv::countNonZero(missing == 0)) + 1);
-  for (const cv::Point p : hole.hole.pixels)
-    if (missing(p) == 0) of_label[static_cast<std::size_t>(label(p))] = static_cast<std::size_t>(hole.hole.index(p));
+    if (hole.leading[i].found()) copied(hole.hole.pixels[i]) = 255;
+  const NearestPixel nearest(copied);
   std::vector<std::size_t> out;
   out.reserve(pixels.size());
-  for (const cv::Point p : pixels.pixels) out.push_back(of_label[static_cast<std::size_t>(label(p))]);
+  for (const cv::Point p : pixels.pixels) {
+    const std::optional<cv::Point> found = nearest.find(p);
+    out.push_back(found ? static_cast<std::size_t>(hole.hole.index(*found)) : hole.hole.size());
+  }
   return out;
 }
 

@@ -9,6 +9,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/image/enlarge.h"
+#include "dvi/image/nearest_pixel.h"
 #include "dvi/image/region.h"
 
 namespace dvi::objects {
@@ -28,7 +30,6 @@ struct BoxMaskParams {
   float max_ground_px = 6;          ///< distance to a return on the ground beside an object, as between rays
   float max_reach_px = 60;          ///< distance to a return of an object up to which its margin applies
   float max_ray_gap_px = 8;         ///< distance to a return behind the object, without which the background is not observed
-  double margin_share = 0.0025;     ///< blur of the object's edge and errors of the extrinsics, relative to the image's width
   int gap_px = 2;                   ///< gaps between an object and its shadow
 };
 constexpr BoxMaskParams kBoxMasks;
@@ -143,20 +144,6 @@ cv::Mat1b find_boxes_without_objects(const cv::Mat1b& part, const std::vector<cv
 
 }  // namespace
 
-NearestPixel::NearestPixel(const cv::Mat1b& pixels) {
-  if (cv::countNonZero(pixels) == 0) return;
-  cv::distanceTransform(cv::Mat1b(~pixels), distance_px_, label_, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
-  pixels_.resize(static_cast<std::size_t>(cv::countNonZero(pixels)) + 1);
-  for (int y = 0; y < pixels.rows; ++y)
-    for (int x = 0; x < pixels.cols; ++x)
-      if (pixels(y, x) != 0) pixels_[static_cast<std::size_t>(label_(y, x))] = {x, y};
-}
-
-std::optional<cv::Point> NearestPixel::find(cv::Point pixel, float max_distance_px) const {
-  if (pixels_.empty() || distance_px_(pixel) > max_distance_px) return std::nullopt;
-  return pixels_[static_cast<std::size_t>(label_(pixel))];
-}
-
 std::vector<cv::Rect> split_into_boxes(const cv::Mat1b& part) {
   std::vector<cv::Rect> out;
   if (!is_box_shaped(part)) return out;
@@ -185,12 +172,11 @@ std::vector<BoxPart> find_box_parts(const cv::Mat1b& mask) {
   cv::Mat centers;
   const int count = cv::connectedComponentsWithStats(mask, parts, stats, centers, 8, CV_32S);
   for (int i = 1; i < count; ++i) {
-    const int border = kBoxMasks.border_px;
-    const cv::Rect area = cv::Rect(stats(i, cv::CC_STAT_LEFT) - border, stats(i, cv::CC_STAT_TOP) - border,
-                                   stats(i, cv::CC_STAT_WIDTH) + 2 * border, stats(i, cv::CC_STAT_HEIGHT) + 2 * border) &
-                          cv::Rect({}, mask.size());
-    BoxPart part{area, cv::Mat1b(parts(area) == i), {}};
     if (stats(i, cv::CC_STAT_AREA) > kBoxMasks.max_image_share * static_cast<double>(mask.total())) continue;
+    const cv::Rect box(stats(i, cv::CC_STAT_LEFT), stats(i, cv::CC_STAT_TOP), stats(i, cv::CC_STAT_WIDTH),
+                       stats(i, cv::CC_STAT_HEIGHT));
+    const cv::Rect area = enlarge(box, kBoxMasks.border_px, mask.size());
+    BoxPart part{area, cv::Mat1b(parts(area) == i), {}};
     part.boxes = split_into_boxes(part.mask);
     if (!part.boxes.empty()) out.push_back(std::move(part));
   }
@@ -201,7 +187,7 @@ cv::Mat1b find_background(const BoxPart& part, const cv::Mat3b& image, const Box
   const BoxSeeds within{seeds.object(part.area), seeds.background(part.area), seeds.margin_px(part.area),
                         seeds.ground(part.area)};
   if (cv::countNonZero(within.object & part.mask) < kBoxMasks.min_seeds) return {part.mask.size(), uchar{0}};
-  const int margin_px = std::max(1, cvRound(kBoxMasks.margin_share * image.cols));
+  const int margin_px = std::max(1, cvRound(kSilhouetteMarginShare * image.cols));
   const cv::Mat1b kept = find_boxes_without_objects(part.mask, part.boxes, within.object);
   return cv::Mat1b(part.mask & ~kept & ~cut_out_objects(image(part.area).clone(), part.mask, within, margin_px));
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -11,19 +10,8 @@ namespace dvi::objects {
 /// if it has another shape. Where rectangles overlap, those are chosen that cover the part with fewest.
 std::vector<cv::Rect> split_into_boxes(const cv::Mat1b& part);
 
-/// Finds the nearest of the pixels that are 255 in an image.
-class NearestPixel {
- public:
-  explicit NearestPixel(const cv::Mat1b& pixels);
-
-  /// Returns the nearest pixel; nothing if there is none within a distance.
-  std::optional<cv::Point> find(cv::Point pixel, float max_distance_px) const;
-
- private:
-  cv::Mat1f distance_px_;
-  cv::Mat1i label_;
-  std::vector<cv::Point> pixels_;  // by label
-};
+/// The margin of an object's silhouette, relative to the image's width: blur of its edge, and errors of the extrinsics.
+inline constexpr double kSilhouetteMarginShare = 0.0025;
 
 /// The pixels by which objects in bounding boxes are separated from their surroundings: 255 where a scan has a
 /// return of the respective kind.

@@ -13,6 +13,8 @@
 #include "dvi/core/threads.h"
 #include "dvi/drive/image_returns.h"
 #include "dvi/drive/outline.h"
+#include "dvi/image/enlarge.h"
+#include "dvi/image/nearest_pixel.h"
 #include "dvi/image/region.h"
 #include "dvi/objects/completion/box_masks.h"
 #include "dvi/objects/completion/identities.h"
@@ -35,13 +37,12 @@ struct CompletionParams {
   int shadow_columns = 4;            ///< columns around an object whose ground its shadow may cover: 1 m
   /// Time to the scans that show whether something moves.
   std::array<double, 4> compared_s{-1, -0.5, 0.5, 1};
-  float max_parallax_px = 12;        ///< distance to an object in the image up to which it may hide a return from the camera
-  double max_object_m = 4.5;         ///< height of objects above the ground
-  double body_margin_m = 0.2;        ///< by which drawn objects are larger than they are, in meters ...
-  int body_margin_px = 2;            ///< ... and in pixels
-  double min_margin_share = 0.0025;  ///< smallest margin of drawn objects, relative to the image's width: blur
-  double object_margin_m = 0.08;     ///< by which objects extend beyond their silhouettes: roofs and glass return little
-  double top_margin_m = 0.3;         ///< returns this far above an object are behind it
+  float max_parallax_px = 12;     ///< distance to an object in the image up to which it may hide a return from the camera
+  double max_object_m = 4.5;      ///< height of objects above the ground
+  double body_margin_m = 0.2;     ///< by which drawn objects are larger than they are, in meters ...
+  int body_margin_px = 2;         ///< ... and in pixels
+  double object_margin_m = 0.08;  ///< by which objects extend beyond their silhouettes: roofs and glass return little
+  double top_margin_m = 0.3;      ///< returns this far above an object are behind it
 };
 constexpr CompletionParams kCompletion;
 
@@ -94,13 +95,6 @@ std::vector<Track> find_removed_tracks(const CompletionInput& input) {
 
 int to_pixels(double meters, double depth_m, const Camera& camera) {
   return cvRound(meters * camera.fx / std::max(depth_m, 1.0));
-}
-
-// Enlarges a rectangle on all sides, within an image.
-cv::Rect enlarge(const cv::Rect& rect, int border_px, cv::Size image) {
-  if (rect.empty()) return rect;
-  return cv::Rect(rect.x - border_px, rect.y - border_px, rect.width + 2 * border_px, rect.height + 2 * border_px) &
-         cv::Rect({}, image);
 }
 
 // Draws the convex hull of a silhouette: roofs and windows return little.
@@ -179,8 +173,8 @@ class CompletedObjects::FrameDrawing {
       if (cv::countNonZero(drawn & mask) > max_covered_share * cv::countNonZero(drawn)) return;
       const int border_px = std::max(kCompletion.min_border_px, to_pixels(kCompletion.border_m, depth_m, drive_.camera));
       const cv::Mat1b uncovered = find_uncovered(drawn, mask, border_px);
-      const int margin_px = std::max(cvRound(kCompletion.min_margin_share * mask.cols),
-                                     to_pixels(kCompletion.object_margin_m, depth_m, drive_.camera));
+      const int margin_px =
+          std::max(cvRound(kSilhouetteMarginShare * mask.cols), to_pixels(kCompletion.object_margin_m, depth_m, drive_.camera));
       lacking |= cv::countNonZero(uncovered) == 0 ? uncovered : cv::Mat1b(grown_far(uncovered, margin_px) & ~mask);
     };
     const auto add_columns = [&](const ObjectColumns& columns, double max_covered_share) {
@@ -188,8 +182,7 @@ class CompletedObjects::FrameDrawing {
       columns_.add(columns);
       const cv::Mat1b drawn = columns.draw(all_.ground_, drive_.camera, camera_from_world_);
       const double depth_m = columns.nearest_m(camera_from_world_);
-      bodies_.push_back(
-          grown_far(drawn, -kCompletion.body_margin_px - to_pixels(kCompletion.body_margin_m, depth_m, drive_.camera)));
+      bodies_.push_back({drawn, kCompletion.body_margin_px + to_pixels(kCompletion.body_margin_m, depth_m, drive_.camera)});
       add(drawn, depth_m, max_covered_share);
     };
     add_columns(occupied, 1);
@@ -197,7 +190,7 @@ class CompletedObjects::FrameDrawing {
     if (box) {
       const cv::Mat1b drawn = draw_box(*box);
       add(drawn, (camera_from_world_ * box->frame_from_box.t).z(), 1);
-      bodies_.push_back(drawn);
+      bodies_.push_back({drawn, 0});
     }
     add_label(number, type, lacking, completed);
     add_label(number, type, covered, shown);
@@ -212,11 +205,16 @@ class CompletedObjects::FrameDrawing {
     const BoxSeeds seeds = find_seeds(project_returns(drive_, frame, world_from_lidar));
     const auto image = drive_.images[frame];
     for (const BoxPart& part : parts) find_background(part, *image, seeds).copyTo(out(part.area), part.mask);
-    for (const cv::Mat1b& body : bodies_) out.setTo(0, draw_convex_hull(body));
+    for (const Body& body : bodies_) out.setTo(0, draw_convex_hull(grown_far(body.drawn, -body.margin_px)));
     return out;
   }
 
  private:
+  struct Body {
+    cv::Mat1b drawn;
+    int margin_px;  // by which it is drawn larger than it is
+  };
+
   static void add_label(int number, const std::string& type, const cv::Mat1b& drawn, std::vector<Label>& labels) {
     if (cv::countNonZero(drawn) == 0) return;
     Label label;
@@ -344,8 +342,8 @@ class CompletedObjects::FrameDrawing {
   Eigen::Vector3d camera_in_world_;
   std::optional<std::size_t> scan_;  // taken with the frame
   std::shared_ptr<const FreeSpace> space_;
-  ObjectColumns columns_;          // the objects, as far as scans show them
-  std::vector<cv::Mat1b> bodies_;  // the same in the image, and labeled 3D boxes
+  ObjectColumns columns_;     // the objects, as far as scans show them
+  std::vector<Body> bodies_;  // the same in the image, and labeled 3D boxes
 };
 
 ObjectOutlines CompletedObjects::draw(const CameraMaskEvidence& evidence) const {

@@ -129,13 +129,20 @@ class MaskedThings {
 }  // namespace
 
 MaskedSurfaces::MaskedSurfaces(MaskedFrame frame, const std::vector<Eigen::Vector3d>& returns) : frame_(std::move(frame)) {
-  int regions = cv::connectedComponents(*frame_.mask, parts_, 8, CV_32S);  // a region per part, then those of the boxes
+  cv::Mat1i stats;
+  cv::Mat centers;
+  // A region per part, then those of the boxes.
+  int regions = cv::connectedComponentsWithStats(*frame_.mask, parts_, stats, centers, 8, CV_32S);
   boxes_.resize(static_cast<std::size_t>(regions));
-  for (std::size_t part = 1; part < boxes_.size(); ++part)
-    for (const cv::Rect& box : split_into_boxes(cv::Mat1b(parts_ == static_cast<int>(part)))) {
+  for (int part = 1; part < stats.rows; ++part) {
+    const cv::Rect area(stats(part, cv::CC_STAT_LEFT), stats(part, cv::CC_STAT_TOP), stats(part, cv::CC_STAT_WIDTH),
+                        stats(part, cv::CC_STAT_HEIGHT));
+    for (const cv::Rect& within : split_into_boxes(cv::Mat1b(parts_(area) == part))) {
+      const cv::Rect box = within + area.tl();
       box_of_.emplace(regions, box);
-      boxes_[part].emplace_back(regions++, box);
+      boxes_[static_cast<std::size_t>(part)].emplace_back(regions++, box);
     }
+  }
   for (const Eigen::Vector3d& world : returns) {
     const auto pixel = frame_.project(world);
     if (!pixel) continue;
