@@ -21,5 +21,6 @@ function(dvi_install)
     INSTALL_DESTINATION ${package})
   write_basic_package_version_file(${PROJECT_BINARY_DIR}/dviConfigVersion.cmake COMPATIBILITY SameMinorVersion)
   install(FILES ${PROJECT_BINARY_DIR}/dviConfig.cmake ${PROJECT_BINARY_DIR}/dviConfigVersion.cmake
-    ${PROJECT_SOURCE_DIR}/cmake/FindOpenCVParts.cmake DESTINATION ${package} COMPONENT development)
+    ${PROJECT_SOURCE_DIR}/cmake/FindOpenCVParts.cmake ${PROJECT_SOURCE_DIR}/cmake/FindOnnxProto.cmake
+    ${PROJECT_SOURCE_DIR}/cmake/FindOnnxRuntime.cmake DESTINATION ${package} COMPONENT development)
 endfunction()

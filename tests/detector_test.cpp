@@ -19,8 +19,8 @@ class DetectorOption : public ProgramTest {
  protected:
   void SetUp() override {
     if (!make_test_models(folder)) GTEST_SKIP() << "takes a Python with onnx (Debian's python3-onnx)";
-    write_file(folder / "semantic.toml", test_description("semantic"));
-    write_file(folder / "topk.toml", test_description("semantic"));
+    write_file(folder / "semantic.toml", test_description(true));
+    write_file(folder / "classifier.toml", test_description(false));
     paint("drive");
   }
   static cv::Rect at(std::size_t frame) { return {30 + 8 * static_cast<int>(frame), 60, 40, 30}; }
@@ -72,7 +72,7 @@ TEST_F(DetectorOption, ARunPassesTheAudit) {
   fs::rename(folder / "semantic.onnx", folder / "moved.onnx");
   EXPECT_EQ(dvi("audit out drive --quiet").code, 0) << "takes no network";
   fs::rename(folder / "moved.onnx", folder / "semantic.onnx");
-  write_file(folder / "semantic.toml", test_description("semantic") + "remove = [\"person\"]\n");
+  write_file(folder / "semantic.toml", test_description(true) + "remove = [\"person\"]\n");
   const Result other = dvi("run drive -o out --detector semantic.onnx --poses given");
   EXPECT_EQ(other.code, 0) << other.err;
   EXPECT_THAT(other.err, HasSubstr("the detector finds no object to remove")) << "its description is an input, too";
@@ -100,8 +100,8 @@ TEST_F(DetectorOption, RefusesBadModelsWithOneLine) {
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
     return result.err;
   };
-  EXPECT_THAT(refused("--detector topk.onnx", 3), HasSubstr("cannot run node 'head/top' (TopK)"));
-  EXPECT_THAT(refused("--detector ids.onnx", 3), HasSubstr("docs/detector.md has a template"));
+  EXPECT_THAT(refused("--detector classifier.onnx", 3), HasSubstr("is a classifier"));
+  EXPECT_THAT(refused("--detector ids.onnx", 3), HasSubstr("has no names of its classes in its metadata"));
   EXPECT_THAT(refused("--detector nowhere.onnx", 3), HasSubstr("nowhere.onnx"));
   EXPECT_THAT(refused("--detector semantic.toml", 3), HasSubstr("is not an ONNX file"));
   EXPECT_THAT(refused("--detector semantic.onnx --masks auto", 2), HasSubstr("give one of them"));

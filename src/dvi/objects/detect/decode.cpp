@@ -4,95 +4,109 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <opencv2/dnn.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "dvi/core/error.h"
 #include "dvi/objects/detect/box_candidates.h"
-#include "dvi/objects/detect/network.h"
 
 namespace dvi::objects {
 namespace {
 
-constexpr int kMaxBoxes = 1000;  // in non-maximum suppression: many more than an image has objects
+constexpr const char* kKnownLayouts =
+    "dvi reads the outputs of YOLOv5 to YOLO26, RT-DETR, DETR, Mask R-CNN, and semantic networks (docs/detector.md lists the "
+    "shapes)";
 
-// Returns the pixels of the image that a box in the input touches.
-cv::Rect to_image_pixels(const cv::Rect2d& box, const InputFit& fit) {
-  const cv::Point2d a = fit.to_image(box.tl()), b = fit.to_image(box.br());
-  const double width = fit.image.width, height = fit.image.height;
-  const cv::Point first(static_cast<int>(std::floor(std::clamp(a.x, 0.0, width))),
-                        static_cast<int>(std::floor(std::clamp(a.y, 0.0, height))));
-  const cv::Point end(static_cast<int>(std::ceil(std::clamp(b.x, 0.0, width))),
-                      static_cast<int>(std::ceil(std::clamp(b.y, 0.0, height))));
-  return {first, end};
+// Returns whether the sixth numbers of the rows are classes. In a layout with one score per class they are not whole.
+bool has_class_numbers(const Tensor& rows, int classes) {
+  for (int i = 0; i < rows.rows(); ++i)
+    if (const float type = rows.row(i)[5]; type != std::floor(type) || type < 0 || type >= static_cast<float>(classes))
+      return false;
+  return true;
 }
 
-// Returns the indices of candidates that no better one of their class suppresses. The boxes of each class are moved to another
-// area, so that they do not suppress those of other classes.
-std::vector<int> suppress_non_maxima(const std::vector<BoxCandidate>& candidates, const Description& description,
-                                     const InputFit& fit) {
-  const double class_offset = 4 * (fit.input.width + fit.input.height);
-  std::vector<cv::Rect2d> boxes;
-  std::vector<float> scores;
-  for (const BoxCandidate& c : candidates) {
-    boxes.push_back(c.box + cv::Point2d(class_offset * c.type, 0));
-    scores.push_back(c.score);
-  }
-  std::vector<int> kept;
-  cv::dnn::NMSBoxes(boxes, scores, 0, static_cast<float>(description.nms), kept, 1, kMaxBoxes);
-  return kept;
+// Recognizes the layout of rows: of 4 + classes, 5 + classes, or 6 numbers, each with the coefficients of the prototypes.
+Layout recognize_rows(const Tensor& rows, int coefficients, int classes) {
+  if (coefficients == 0 && rows.rank() == 2 && rows.cols() == 7) return Layout::nms;
+  if (rows.rank() != 3) return Layout::automatic;
+  const int across = rows.cols() - coefficients, along = rows.rows() - coefficients;
+  if (across == 6 && has_class_numbers(rows, classes)) return Layout::nms;
+  if (across == 5 + classes) return Layout::yolov5;
+  if (along == 4 + classes) return Layout::yolov8;
+  return across == 4 + classes && coefficients == 0 ? Layout::detr : Layout::automatic;
+}
+
+bool is_semantic(const Tensor& tensor, int classes) {
+  return (tensor.rank() == 4 && tensor.planes() == classes && classes > 1) ||
+         (tensor.has_whole_numbers && is_class_map(tensor));
+}
+
+[[noreturn]] void throw_unknown(const std::vector<Tensor>& outputs, const Description& description) {
+  const bool classifies = outputs.size() == 1 && outputs.front().rank() <= 2 && outputs.front().rows() == 1;
+  const std::string shapes = format_shapes(outputs);
+  if (classifies)
+    throw InputError(description.model,
+                     fmt::format("is a classifier: its output is {}, which does not show where objects are", shapes),
+                     "give a network for detection or segmentation");
+  throw InputError(
+      description.model, fmt::format("its outputs are unknown: {}, with {} classes", shapes, description.class_count()),
+      fmt::format("{}; if it is one of these, correct the classes, or set 'kind' and 'names' in [output] of MODEL.toml",
+                  kKnownLayouts));
+}
+
+[[noreturn]] void throw_unnamed(const std::vector<Tensor>& outputs, const Description& description) {
+  throw InputError(description.model,
+                   fmt::format("has no names of its classes in its metadata; its outputs are {}", format_shapes(outputs)),
+                   fmt::format("write them into {}: [classes] and names = [\"person\", \"car\", ...], or names = \"COCO\"",
+                               fs::path(description.model).replace_extension(".toml").filename().string()));
 }
 
 }  // namespace
 
-int find_best_class(const float* values, int count, std::ptrdiff_t step) {
-  int best = -1;
-  for (int c = 0; c < count; ++c)
-    if (const float value = values[c * step]; std::isfinite(value) && (best < 0 || value > values[best * step])) best = c;
-  return best;
-}
-
-void add_detection(Detections& detections, const DetectedPart& part, int min_pixels) {
-  if (part.mask.empty() || cv::countNonZero(part.mask) < min_pixels) return;
-  const cv::Rect box = cv::boundingRect(part.mask);
-  detections.push_back({part.type, part.score, box + part.corner, part.mask(box).clone()});
-}
-
-Detections draw_candidates(const std::vector<BoxCandidate>& candidates, const cv::Mat& prototypes,
-                           const Description& description, const InputFit& fit) {
-  const int count = prototypes.size[1], rows = prototypes.size[2], cols = prototypes.size[3];
-  const cv::Mat1f flat(count, rows * cols, const_cast<float*>(prototypes.ptr<float>()));
-  Detections out;
-  for (const int i : suppress_non_maxima(candidates, description, fit)) {
-    const BoxCandidate& candidate = candidates[static_cast<std::size_t>(i)];
-    const cv::Rect part = to_image_pixels(candidate.box, fit);
-    if (part.empty()) continue;
-    const cv::Mat1f weights(1, count, const_cast<float*>(candidate.coefficients.data()));
-    const cv::Mat1f logits = cv::Mat1f(weights * flat).reshape(1, rows);
-    const cv::Mat1b mask(resample_to_image(logits, fit, part) > 0);
-    add_detection(out, {candidate.type, candidate.score, mask, part.tl()}, description.least_pixels);
+Layout recognize_layout(const std::vector<Tensor>& outputs, const Description& description) {
+  const int classes = description.class_count();
+  const Tensor* map = find_only_map(outputs);
+  const Tensor* rows = find_only_rows(outputs);
+  if (outputs.size() == 1 && !map && rows && rows->rows() == 1 && rows->rank() == 2) throw_unknown(outputs, description);
+  if (classes == 0) throw_unnamed(outputs, description);
+  if (find_rcnn_outputs(outputs).boxes) return Layout::rcnn;
+  if (find_detr_outputs(outputs, classes).logits && !map) return Layout::detr;
+  if (is_undecoded_yolov8(outputs, description)) return Layout::yolov8;
+  if (rows && outputs.size() == (map ? 2U : 1U)) {
+    const Layout layout = recognize_rows(*rows, map ? map->planes() : 0, classes);
+    if (layout != Layout::automatic) return layout;
   }
-  return out;
+  const bool is_segmentation =
+      std::any_of(outputs.begin(), outputs.end(), [&](const Tensor& tensor) { return is_semantic(tensor, classes); });
+  if (is_segmentation) return Layout::semantic;
+  throw_unknown(outputs, description);
 }
 
-void throw_unexpected_shapes(const std::vector<cv::Mat>& outputs, const Description& description, const std::string& expected) {
+void throw_unexpected_shapes(const std::vector<Tensor>& outputs, const Description& description, const std::string& expected) {
   throw InputError(description.model,
                    fmt::format("its outputs are {}, and kind \"{}\" with {} classes expects {}", format_shapes(outputs),
-                               to_string(description.layout), description.classes.size(), expected),
-                   fmt::format("correct 'kind', 'names', or the classes in {}, or export it as docs/detector.md describes",
-                               description.file.filename().string()));
+                               to_string(description.layout), description.class_count(), expected),
+                   "correct 'kind', 'names', or the classes in MODEL.toml, or export it as docs/detector.md describes");
 }
 
-Detections decode(const std::vector<cv::Mat>& outputs, const Description& description, const InputFit& fit) {
+Detections decode(const std::vector<Tensor>& outputs, const Description& description, const InputFit& fit) {
   switch (description.layout) {
     case Layout::semantic:
       return decode_semantic(outputs, description, fit);
-    case Layout::yolov5_seg:
+    case Layout::yolov5:
       return decode_yolov5(outputs, description, fit);
-    case Layout::yolov8_seg:
+    case Layout::yolov8:
+      return decode_yolov8(outputs, description, fit);
+    case Layout::nms:
+      return decode_nms(outputs, description, fit);
+    case Layout::detr:
+      return decode_detr(outputs, description, fit);
+    case Layout::rcnn:
+      return decode_rcnn(outputs, description, fit);
+    case Layout::automatic:
       break;
   }
-  return decode_yolov8(outputs, description, fit);
+  Description recognized = description;
+  recognized.layout = recognize_layout(outputs, description);
+  return decode(outputs, recognized, fit);
 }
 
 }  // namespace dvi::objects

@@ -2,170 +2,77 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
-#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <toml++/toml.h>
 
 #include "dvi/core/error.h"
-#include "dvi/core/toml_file.h"
 #include "dvi/drive/traffic_classes.h"
 
 namespace dvi::objects {
 namespace {
 
-// The limits of a description.
-struct DescriptionLimits {
-  double min_side_px = 8;  ///< in a smaller input, no object is recognizable
-  double max_side_px = 8192;
-  double max_input_px = 1 << 24;  ///< a larger blob takes gigabytes
-  std::size_t max_names = 10'000;
-};
-constexpr DescriptionLimits kLimits{};
+// Objects that are removed to protect people, beside traffic.
+const std::set<std::string, std::less<>>& private_classes() {
+  static const std::set<std::string, std::less<>> names{"face",          "head",          "plate",         "license plate",
+                                                        "license-plate", "license_plate", "licence plate", "licence_plate",
+                                                        "number plate",  "number_plate",  "numberplate"};
+  return names;
+}
+
+// Takes the size of the input from its declared shape.
+void add_declared_size(const OnnxFile& file, Description& out) {
+  const auto image = std::find_if(file.inputs.begin(), file.inputs.end(),
+                                  [](const TensorInfo& input) { return input.type != ElementType::int64; });
+  const bool is_image =
+      image != file.inputs.end() && (image->shape.size() == 3 || image->shape.size() == 4 || image->shape.empty());
+  if (!is_image || file.inputs.size() > 2 || (!image->shape.empty() && image->shape[image->shape.size() - 3] > 3))
+    throw InputError(file.path, fmt::format("takes {}, which is not an image of 1x3xHxW", format_shapes(file.inputs)),
+                     "export the network with an image as its only input (docs/detector.md)");
+  if (image->shape.empty()) return;
+  const std::int64_t height = image->shape[image->shape.size() - 2], width = image->shape.back();
+  if (height > 0 && width > 0) out.input = {static_cast<int>(width), static_cast<int>(height)};
+}
+
+}  // namespace
 
 std::string to_lower_case(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
 }
 
-// One table of the file. Throws InputError with file and line.
-class Section {
- public:
-  Section(const fs::path& file, const toml::table& root, std::string name, const std::vector<std::string>& keys)
-      : file_(file), name_(std::move(name)), table_(root.get_as<toml::table>(name_)) {
-    if (!table_) throw InputError(file_, fmt::format("has no section [{}]", name_), "docs/detector.md has a template");
-    for (const auto& [key, node] : *table_)
-      if (std::find(keys.begin(), keys.end(), key.str()) == keys.end())
-        fail(node, fmt::format("[{}] has no key '{}'", name_, key.str()), fmt::format("it has {}", fmt::join(keys, ", ")));
-  }
-
-  bool has(const char* key) const { return table_->contains(key); }
-
-  double number(const char* key, double standard, double least, double most) const {
-    if (!has(key)) return standard;
-    const auto value = table_->get(key)->value<double>();
-    if (!value || !(*value >= least && *value <= most))
-      fail(key, fmt::format("is not a number from {:g} to {:g}", least, most));
-    return *value;
-  }
-  template <std::size_t N>
-  std::array<double, N> numbers(const char* key) const {
-    const toml::array* list = required(key).as_array();
-    std::array<double, N> out;
-    for (std::size_t i = 0; i < N; ++i) {
-      const auto value = list && list->size() == N ? (*list)[i].value<double>() : std::nullopt;
-      if (!value || !std::isfinite(*value)) fail(key, fmt::format("is not a list of {} numbers", N));
-      out[i] = *value;
-    }
-    return out;
-  }
-  std::vector<std::string> words(const char* key) const {
-    const toml::array* list = required(key).as_array();
-    if (!list || list->empty() || list->size() > kLimits.max_names) fail(key, "is not a list of names");
-    std::vector<std::string> out;
-    for (const toml::node& node : *list) {
-      if (!node.is_string()) fail(key, "is not a list of names");
-      out.push_back(node.value_or(std::string()));
-    }
-    return out;
-  }
-  template <Named E>
-  E choice(const char* key) const {
-    const auto word = required(key).value<std::string>();
-    try {
-      return parse_name<E>(word.value_or(""));
-    } catch (const std::invalid_argument& e) {
-      fail(key, e.what());
-    }
-  }
-  template <Named E>
-  E choice(const char* key, E standard) const {
-    return has(key) ? choice<E>(key) : standard;
-  }
-  [[noreturn]] void fail(const char* key, const std::string& problem) const {
-    fail(*table_->get(key), fmt::format("[{}] '{}' {}", name_, key, problem), "see docs/detector.md");
-  }
-
- private:
-  const toml::node& required(const char* key) const {
-    if (!has(key)) fail(*table_, fmt::format("[{}] lacks '{}'", name_, key), "docs/detector.md has a template");
-    return *table_->get(key);
-  }
-  [[noreturn]] void fail(const toml::node& node, const std::string& problem, const std::string& remedy) const {
-    throw InputError(fmt::format("{}:{}", file_.string(), node.source().begin.line), problem, remedy);
-  }
-
-  fs::path file_;
-  std::string name_;
-  const toml::table* table_;
-};
-
-void read_input(const Section& section, Description& out) {
-  const auto [width, height] = section.numbers<2>("size");
-  for (const double side : {width, height})
-    if (!(side >= kLimits.min_side_px && side <= kLimits.max_side_px && side == std::floor(side)))
-      section.fail("size",
-                   fmt::format("is not [width, height] in pixels, {} to {} each", kLimits.min_side_px, kLimits.max_side_px));
-  if (width * height > kLimits.max_input_px) section.fail("size", "has more than 2^24 pixels");
-  out.input = {static_cast<int>(width), static_cast<int>(height)};
-  out.fit = section.choice("fit", out.fit);
-  if (out.fit == Fit::stretch && section.has("pad")) section.fail("pad", "has no meaning with fit = \"stretch\"");
-  out.pad = section.number("pad", out.pad, 0, 255);
-  out.channels = section.choice("channels", out.channels);
-  if (section.has("mean")) out.mean = section.numbers<3>("mean");
-  if (section.has("std")) out.sigma = section.numbers<3>("std");
-  for (const double s : out.sigma)
-    if (!(s > 0)) section.fail("std", "is not positive");
-}
-
-void read_output(const Section& section, Description& out) {
-  out.layout = section.choice<Layout>("kind");
-  if (section.has("names")) out.outputs = section.words("names");
-  if (out.layout == Layout::semantic)
-    for (const char* key : {"score", "nms"})
-      if (section.has(key)) section.fail(key, "has no meaning with kind = \"semantic\": each pixel has its best class");
-  out.score = section.number("score", out.score, 0.001, 1);
-  out.nms = section.number("nms", out.nms, 0, 1);
-  out.least_pixels = static_cast<int>(section.number("least_pixels", out.least_pixels, 1, 1e6));
-}
-
-void read_classes(const Section& section, Description& out) {
-  for (const std::string& name : section.words("names")) out.classes.push_back(to_lower_case(name));
-  if (out.layout == Layout::semantic && out.classes.size() < 2)
-    section.fail("names", "has one class, but kind = \"semantic\" also needs the class of the background");
-  std::set<std::string, std::less<>> wanted = traffic_classes();
-  if (section.has("remove")) {
-    wanted.clear();
-    for (const std::string& name : section.words("remove")) {
-      const std::string& word = *wanted.insert(to_lower_case(name)).first;
-      if (std::find(out.classes.begin(), out.classes.end(), word) == out.classes.end())
-        section.fail("remove", fmt::format("has '{}', which is not the name of a class", name));
-    }
-  }
-  for (const std::string& name : out.classes) out.removed.push_back(wanted.contains(name) ? 1 : 0);
+void choose_classes(const std::set<std::string, std::less<>>& names, Description& out) {
+  out.removed.clear();
+  for (const std::string& name : out.classes) out.removed.push_back(names.contains(name) ? 1 : 0);
   if (std::count(out.removed.begin(), out.removed.end(), 1) == 0)
-    section.fail("names", "has none of the names that are removed by default; list the classes to remove in 'remove'");
+    throw InputError(out.model,
+                     fmt::format("none of its classes is removed; it has {}",
+                                 fmt::join(out.classes.begin(), out.classes.begin() + std::min(out.class_count(), 20), ", ")),
+                     "choose some with --classes, or with 'remove' in MODEL.toml (docs/detector.md)");
 }
 
-}  // namespace
-
-Description read_description(const fs::path& model) {
+Description describe_network(const OnnxFile& file) {
   Description out;
-  out.model = model;
-  out.file = fs::path(model).replace_extension(".toml");
-  if (!fs::exists(out.file))
-    throw InputError(out.file, fmt::format("does not exist, but {} needs it", model.filename().string()),
-                     "it defines the input size, the kind of output, and the classes: docs/detector.md has a template");
-  const toml::table root = read_toml(out.file);
-  for (const auto& [key, node] : root)
-    if (key.str() != "input" && key.str() != "output" && key.str() != "classes")
-      throw InputError(fmt::format("{}:{}", out.file.string(), node.source().begin.line),
-                       fmt::format("[{}] is not one of [input], [output], [classes]", key.str()), "see docs/detector.md");
-  read_input({out.file, root, "input", {"size", "fit", "pad", "channels", "mean", "std"}}, out);
-  read_output({out.file, root, "output", {"kind", "names", "score", "nms", "least_pixels"}}, out);
-  read_classes({out.file, root, "classes", {"names", "remove"}}, out);
+  out.model = file.path;
+  out.files = {file.path};
+  out.files.insert(out.files.end(), file.weight_files.begin(), file.weight_files.end());
+  add_declared_size(file, out);
+  const cv::Size declared = out.input;
+  add_exporter_metadata(file, out);
+  const fs::path toml = fs::path(file.path).replace_extension(".toml");
+  if (fs::exists(toml)) add_model_toml(toml, out);
+  if (!declared.empty() && out.input != declared)
+    throw InputError(toml,
+                     fmt::format("[input] 'size' is {}x{}, but the network takes images of {}x{} (width x height)",
+                                 out.input.width, out.input.height, declared.width, declared.height),
+                     "correct or remove it");
+  if (out.classes.empty()) return out;
+  std::set<std::string, std::less<>> names = out.chosen;
+  if (names.empty()) {
+    names = traffic_classes();
+    names.insert(private_classes().begin(), private_classes().end());
+  }
+  choose_classes(names, out);
   return out;
 }
 

@@ -11,12 +11,18 @@
 namespace dvi::objects {
 namespace {
 
+constexpr int kTrialSide = 640;  // side of the empty image on which a network without a fixed size is tried
+
 Label make_label(const TrackedObject& tracked, const Detector& detector, cv::Size image) {
-  cv::Mat1b mask(image, uchar{0});
-  tracked.object.mask.copyTo(mask(tracked.object.box));
   Label label;
   label.track = tracked.track;
   label.type = detector.classes()[static_cast<std::size_t>(tracked.object.type)];
+  if (tracked.object.is_box) {
+    label.rect = cv::Rect2d(tracked.object.box);
+    return label;
+  }
+  cv::Mat1b mask(image, uchar{0});
+  tracked.object.mask.copyTo(mask(tracked.object.box));
   label.instance = to_outline(mask);
   return label;
 }
@@ -24,36 +30,45 @@ Label make_label(const TrackedObject& tracked, const Detector& detector, cv::Siz
 }  // namespace
 
 struct Detector::Impl {
-  explicit Impl(const fs::path& model) : description(read_description(model)), network(model, description.outputs) {}
+  explicit Impl(const OnnxFile& file) : description(describe_network(file)), network(open_network(file, description.outputs)) {
+    // The outputs for an empty image show their layout, and whether the engine can run the network.
+    const cv::Size size = description.input.empty() ? cv::Size(kTrialSide, kTrialSide) : description.input;
+    const cv::Mat3b image(size, cv::Vec3b::all(0));
+    const std::vector<Tensor> outputs = network->run(make_input_blob(image, fit_image(size, description), description));
+    if (description.layout == Layout::automatic) description.layout = recognize_layout(outputs, description);
+    decode(outputs, description, fit_image(size, description));
+  }
+
+  Detections detect(const cv::Mat3b& image) const {
+    const InputFit fit = fit_image(image.size(), description);
+    return decode(network->run(make_input_blob(image, fit, description)), description, fit);
+  }
 
   Description description;
-  Network network;
+  std::unique_ptr<Network> network;
 };
 
-Detector::Detector(const fs::path& model) {
-  require_regular_file(model);  // so that a missing network is reported before its description
-  impl_ = std::make_unique<Impl>(model);
-  detect({cv::Mat3b(impl_->description.input, cv::Vec3b::all(0))});
-}
+Detector::Detector(const fs::path& model) : impl_(std::make_unique<Impl>(read_onnx_file(model))) {}
 
 Detector::~Detector() = default;
 
-std::vector<fs::path> Detector::files() const { return {impl_->description.model, impl_->description.file}; }
+std::vector<fs::path> Detector::files() const { return impl_->description.files; }
+
+std::string Detector::engine() const { return impl_->network->engine(); }
+
+Layout Detector::layout() const { return impl_->description.layout; }
+
+void Detector::choose(const std::set<std::string, std::less<>>& names) { choose_classes(names, impl_->description); }
 
 const std::vector<std::string>& Detector::classes() const { return impl_->description.classes; }
 
 std::vector<Detections> Detector::detect(const std::vector<cv::Mat3b>& images) const {
-  const Description& description = impl_->description;
-  std::vector<InputFit> fits(images.size());
-  std::vector<cv::Mat> blobs(images.size());
-  parallel_for(images.size(), [&](std::size_t i) {
-    fits[i] = fit_image(images[i].size(), description);
-    blobs[i] = make_input_blob(images[i], fits[i], description);
-  });
-  std::vector<std::vector<cv::Mat>> outputs;
-  for (const cv::Mat& blob : blobs) outputs.push_back(impl_->network.run(blob));
   std::vector<Detections> out(images.size());
-  parallel_for(images.size(), [&](std::size_t i) { out[i] = decode(outputs[i], description, fits[i]); });
+  if (impl_->network->runs_in_parallel()) {
+    parallel_for(images.size(), [&](std::size_t i) { out[i] = impl_->detect(images[i]); });
+    return out;
+  }
+  for (std::size_t i = 0; i < images.size(); ++i) out[i] = impl_->detect(images[i]);
   return out;
 }
 

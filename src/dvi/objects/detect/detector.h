@@ -1,6 +1,9 @@
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <set>
+#include <string>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -8,27 +11,33 @@
 #include "dvi/core/files.h"
 #include "dvi/core/interrupt.h"
 #include "dvi/drive/drive.h"
+#include "dvi/objects/detect/description.h"
 #include "dvi/objects/detect/detection.h"
 
 namespace dvi::objects {
 
-/// A network of the user, with its description, that detects the objects to remove in images.
+/// A network of the user that detects the objects to remove in images.
 class Detector {
  public:
-  /// Loads MODEL.onnx and MODEL.toml beside it, and runs the network once. Throws InputError if a file is missing or malformed,
-  /// the network cannot be run, or its outputs differ from the description.
+  /// Loads a network, with its description (describe_network()), and runs it once. Throws InputError if a file is missing or
+  /// malformed, the network cannot be run, or its outputs are unknown.
   explicit Detector(const fs::path& model);
   ~Detector();
   Detector(const Detector&) = delete;
   Detector& operator=(const Detector&) = delete;
 
-  /// Returns the paths of the network and of its description.
+  /// Returns the paths of the network and of all files that describe it.
   std::vector<fs::path> files() const;
+  /// Returns the name and version of the engine that runs the network. Results of two engines may differ at edges.
+  std::string engine() const;
+  /// Returns the layout of the outputs.
+  Layout layout() const;
   /// Returns the names of the classes, lower case.
   const std::vector<std::string>& classes() const;
+  /// Removes the classes of these names, in lower case. Throws InputError if the network has none of them.
+  void choose(const std::set<std::string, std::less<>>& names);
 
-  /// Detects the objects of the removed classes, per image. Images are prepared and outputs are decoded in parallel; the
-  /// network runs on one image at a time.
+  /// Detects the objects of the removed classes, per image. Several images are processed in parallel if the engine can.
   std::vector<Detections> detect(const std::vector<cv::Mat3b>& images) const;
 
  private:

@@ -7,8 +7,17 @@
 
 namespace dvi::objects {
 
+namespace {
+
+constexpr int kStride = 32;  // the largest stride of common networks, of which an input of any size is a multiple
+
+int round_up_to_stride(int side) { return (side + kStride - 1) / kStride * kStride; }
+
+}  // namespace
+
 InputFit fit_image(cv::Size image, const Description& description) {
-  const cv::Size input = description.input;
+  cv::Size input = description.input;
+  if (input.empty()) input = {round_up_to_stride(image.width), round_up_to_stride(image.height)};
   cv::Rect content({0, 0}, input);
   if (description.fit == Fit::letterbox) {
     const double scale =
