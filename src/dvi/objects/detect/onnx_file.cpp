@@ -5,6 +5,10 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
+// The messages of Debian's library have its namespace and the types of ONNX-ML.
+#define ONNX_ML 1
+#define ONNX_NAMESPACE onnx
 #include <onnx/onnx_pb.h>
 
 #include "dvi/core/error.h"

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
+// NOLINTBEGIN(readability-identifier-naming): the names of the library
 struct OrtEnv;
 struct OrtMemoryInfo;
 struct OrtSession;
@@ -77,5 +78,6 @@ struct OrtApiBase {
   const OrtApi* (*GetApi)(std::uint32_t version);
   const char* (*GetVersionString)();
 };
+// NOLINTEND(readability-identifier-naming)
 
 #endif
