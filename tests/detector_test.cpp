@@ -42,7 +42,8 @@ class DetectorOption : public ProgramTest {
 };
 
 TEST_F(DetectorOption, MasksDetectedObjectsInEveryFrame) {
-  const Result mask = dvi("mask drive -o masks --detector semantic.onnx --poses given --quiet --set masks.shadows=false");
+  const Result mask =
+      dvi("mask drive -o masks --detector semantic.onnx --masks none --poses given --quiet --set masks.shadows=false");
   ASSERT_EQ(mask.code, 0) << mask.err;
   const nlohmann::json masks = json("masks/masks.json");
   EXPECT_EQ(masks.at("source"), "detector");
@@ -104,8 +105,7 @@ TEST_F(DetectorOption, RefusesBadModelsWithOneLine) {
   EXPECT_THAT(refused("--detector ids.onnx", 3), HasSubstr("has no names of its classes in its metadata"));
   EXPECT_THAT(refused("--detector nowhere.onnx", 3), HasSubstr("nowhere.onnx"));
   EXPECT_THAT(refused("--detector semantic.toml", 3), HasSubstr("is not an ONNX file"));
-  EXPECT_THAT(refused("--detector semantic.onnx --masks auto", 2), HasSubstr("give one of them"));
-  EXPECT_THAT(refused("--set job.detector=semantic.onnx --masks labels", 2), HasSubstr("give one of them"));
+  EXPECT_THAT(refused("--masks none", 2), HasSubstr("--masks none removes nothing: give --detector MODEL.onnx, or masks"));
 }
 
 }  // namespace

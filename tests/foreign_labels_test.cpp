@@ -61,7 +61,7 @@ class ForeignLabels : public ProgramTest {
               labels::Polarity polarity = labels::Polarity::automatic) const {
     job::Job job;
     job.target = (folder / "drive").string();
-    job.read.masks = job::MasksFrom::parse((labels / file).string());
+    job.read.masks = {job::MasksFrom::parse((labels / file).string())};
     job.read.mask_files = {.polarity = polarity, .classes = classes};
     job.options.masks.shadows = false;
     job.options.masks.dilate_px = 0;

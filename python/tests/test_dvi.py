@@ -143,8 +143,8 @@ def test_errors_have_the_words_of_the_program(street, tmp_path):
         list(dvi.run(tmp_path / "nowhere"))
     with pytest.raises(dvi.UsageError, match="option job.method = 'fast': must be one of dvi, paper"):
         dvi.run(street, method="fast")
-    with pytest.raises(dvi.UsageError, match="give one of them"):
-        dvi.run(street, masks="labels", detector="net.onnx")
+    with pytest.raises(dvi.UsageError, match="--masks none removes nothing"):
+        list(dvi.run(street, masks=["none"]))
     with pytest.raises(dvi.UsageError, match="depth.nothing"):
         dvi.run(street, set={"depth.nothing": 1})
     with pytest.raises(TypeError, match=r"no option 'mask' \(did you mean 'masks'\?\)"):

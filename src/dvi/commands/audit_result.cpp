@@ -169,14 +169,14 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
                      "give the same drives, the target first");
   job.target = drives.front();
   job.sources.assign(drives.begin() + 1, drives.end());
-  if (!masks.empty()) job.read.masks = job::MasksFrom::parse(masks);
+  if (!masks.empty()) job.read.masks = {job::MasksFrom::parse(masks)};
   const bool detected = !job.read.detector.empty() && masks.empty();
   job.read.detector.clear();  // the detected masks are in the result
   inputs::Recordings open =
       inputs::open_recordings(job, detected ? inputs::MaskNeed::optional : inputs::MaskNeed::required, progress);
   if (!job::is_baseline(job.method)) open = inputs::add_other_cameras(std::move(open), job, progress);
   if (detected)
-    for (inputs::Recording& recording : open) recording.masks_from = objects::MaskSource::detected;
+    for (inputs::Recording& recording : open) recording.masks_from.insert(MaskSource::detected);
   const inputs::Poses poses = read_run_poses(out, open, job);
   const objects::GivenMasks given = objects::draw_given_masks(inputs::collect_evidence(open, poses), job.removal());
   Views views = make_listed_views(sources, open, given.masks, out);

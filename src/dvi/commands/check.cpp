@@ -71,7 +71,7 @@ double mean(const std::vector<double>& values) {
 std::map<std::string, std::size_t> count_tracks_by_class(const inputs::Recording& open) {
   std::set<std::pair<std::string, int>> tracks;
   std::map<std::string, std::size_t> out;
-  if (open.masks_from != objects::MaskSource::labels) return out;
+  if (!open.masks_from.contains(MaskSource::labels)) return out;
   for (const Frame& frame : open.drive.frames)
     for (const Label& label : frame.labels)
       if (label.track < 0 || tracks.emplace(label.type, label.track).second) ++out[label.type];
@@ -109,10 +109,10 @@ CheckReport make_report(const inputs::Recording& open, const inputs::PoseChoice&
   out.warnings.insert(out.warnings.end(), choice.warnings.begin(), choice.warnings.end());
   if (poses.empty()) out.warnings.emplace_back("no poses: give --poses FILE");
   if (!drive.has_geometry()) out.warnings.emplace_back("no scans and no map: nothing can be copied");
-  if (!open.masks_from && drive.scan_headers.empty())
+  if (open.masks_from.empty() && drive.scan_headers.empty())
     out.warnings.emplace_back("neither masks, labels, nor scans show the objects to remove: give --masks DIR or --masks FILE");
   if (!drive.map.empty()) out.map_points = drive.map[0]->points.size();
-  out.ready = out.frames_with_pose > 0 && drive.has_geometry() && (open.masks_from || !drive.scan_headers.empty());
+  out.ready = out.frames_with_pose > 0 && drive.has_geometry() && (!open.masks_from.empty() || !drive.scan_headers.empty());
   return out;
 }
 

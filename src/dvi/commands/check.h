@@ -29,7 +29,7 @@ struct CheckReport {
   std::optional<FoundPlace> place = {};         ///< place on Earth of the first LiDAR pose, by GPS
   std::string poses_from;                       ///< given or loam
   std::shared_ptr<const nlohmann::json> poses;  ///< as in report.json
-  std::string mask_source;                      ///< files, labels, detector, found, or none
+  std::string mask_source;                      ///< the names of its mask sources, or "none"
   std::map<std::string, std::size_t> objects;   ///< number of labeled tracks by class
   double mean_masked = 0, largest_masked = 0;   ///< shares of an image
   bool ready = false;                           ///< whether a run is possible

@@ -27,13 +27,18 @@ using SceneOrReason = std::variant<metrics::GhostScene, std::string>;
 
 // Determines how the drive of a run is read for its labels.
 job::ReadChoice choose_labels(job::ReadChoice choice, const fs::path& labels) {
+  const std::vector<job::MasksFrom> given = choice.masks;
   using Kind = job::MasksFrom::Kind;
-  const bool reads_mask_folder =
-      choice.masks.kind == Kind::path && fs::is_directory(choice.masks.path) && !labels::is_label_folder(choice.masks.path);
-  if (!labels.empty() || choice.masks.kind == Kind::found || reads_mask_folder) {
-    choice.masks = labels.empty() ? job::MasksFrom{} : job::MasksFrom{Kind::path, labels.string()};
-    choice.mask_files.classes.clear();
-  }
+  const auto has_no_labels = [](const job::MasksFrom& from) {
+    const bool is_mask_folder = from.kind == Kind::path && fs::is_directory(from.path) && !labels::is_label_folder(from.path);
+    return from.kind == Kind::found || from.kind == Kind::none || is_mask_folder;
+  };
+  if (!labels.empty())
+    choice.masks = {job::MasksFrom{Kind::path, labels.string()}};
+  else
+    std::erase_if(choice.masks, has_no_labels);
+  if (choice.masks.empty()) choice.masks = {job::MasksFrom{}};
+  if (!labels.empty() || choice.masks != given) choice.mask_files.classes.clear();
   if (choice.mask_files.polarity == labels::Polarity::automatic)
     choice.mask_files.polarity = labels::Polarity::white;  // masks are not used
   choice.detector.clear();

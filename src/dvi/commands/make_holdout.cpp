@@ -38,7 +38,8 @@ void make_case(const job::Job& job, const holdout::HoldoutOptions& options, Exis
   // A colored vehicle in a gray image would make the camera count as a color camera.
   std::erase_if(drives, [gray = drives.front().gray](const inputs::Recording& other) { return other.gray != gray; });
   const inputs::Recording& open = drives.front();
-  if (!open.masks_from) progress.warn("the drive has neither masks nor labels, so its real traffic counts as background");
+  if (open.masks_from.empty())
+    progress.warn("the drive has neither masks nor labels, so its real traffic counts as background");
   const std::string recipe = fingerprint_case(job, options, drives);
   const std::string kept = existing == ExistingCase::reuse ? holdout::read_holdout_recipe(job.out) : "";
   if (kept == recipe) return;

@@ -1,5 +1,7 @@
 #include "dvi/commands/make_masks.h"
 
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -34,7 +36,7 @@ cv::Mat3b make_sheet(const Drive& drive, const Lazy<cv::Mat1b>& masks) {
   return media::make_contact_sheet(rows, 640);
 }
 
-nlohmann::json detected_tracks_json(const Drive& drive, const FrameLabels& objects) {
+void list_detected_tracks(const Drive& drive, const FrameLabels& objects, nlohmann::json& tracks) {
   struct Span {
     std::string type;
     std::size_t first = 0, last = 0, frames = 0;
@@ -42,11 +44,11 @@ nlohmann::json detected_tracks_json(const Drive& drive, const FrameLabels& objec
   std::map<int, Span> spans;
   for (std::size_t i = 0; i < objects.size(); ++i)
     for (const Label& label : objects[i]) {
+      if (label.source != MaskSource::detected) continue;
       Span& span = spans.try_emplace(label.track, Span{label.type, i}).first->second;
       span.last = i;
       ++span.frames;
     }
-  nlohmann::json tracks = nlohmann::json::array();
   for (const auto& [track, span] : spans)
     tracks.push_back({{"track", track},
                       {"type", span.type},
@@ -54,13 +56,15 @@ nlohmann::json detected_tracks_json(const Drive& drive, const FrameLabels& objec
                       {"first_frame", drive.frames[span.first].number},
                       {"last_frame", drive.frames[span.last].number},
                       {"frames", span.frames}});
-  return tracks;
 }
 
 nlohmann::json tracks_json(const inputs::Recording& open, const FrameLabels& removed, const Trajectory& world_from_lidar) {
   const Drive& drive = open.drive;
-  if (open.masks_from == objects::MaskSource::detected) return detected_tracks_json(drive, removed);
-  const FrameLabels labels = open.masks_from == objects::MaskSource::found ? removed : drive.labels();
+  const bool is_given = open.masks_from.contains(MaskSource::files) || open.masks_from.contains(MaskSource::labels);
+  FrameLabels labels = is_given ? drive.labels() : FrameLabels(drive.frames.size());
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    std::copy_if(removed[i].begin(), removed[i].end(), std::back_inserter(labels[i]),
+                 [](const Label& label) { return label.source == MaskSource::found; });
   std::set<int> gone;
   for (const std::vector<Label>& frame : removed)
     for (const Label& label : frame) gone.insert(label.track);
@@ -76,12 +80,15 @@ nlohmann::json tracks_json(const inputs::Recording& open, const FrameLabels& rem
                       {"first_frame", drive.frames[motion.first].number},
                       {"last_frame", drive.frames[motion.last].number},
                       {"frames", motion.frames}});
+  list_detected_tracks(drive, removed, tracks);
   return tracks;
 }
 
+// Returns the dilation of labels and detections if there are any, else that of mask files.
 int dilation_px(const inputs::Recording& open, const objects::MaskOptions& options) {
-  if (!open.masks_from || open.masks_from == objects::MaskSource::found) return 0;
-  return open.masks_from == objects::MaskSource::files ? options.file_dilation_px() : options.label_dilation_px();
+  const MaskSources& from = open.masks_from;
+  if (from.contains(MaskSource::labels) || from.contains(MaskSource::detected)) return options.label_dilation_px();
+  return from.contains(MaskSource::files) ? options.file_dilation_px() : 0;
 }
 
 }  // namespace

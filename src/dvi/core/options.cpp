@@ -230,6 +230,17 @@ Option& OptionTable::add_text(std::string key, std::vector<std::string> choices,
               .set = [set = std::move(set)](const OptionValue& v) { set(require<std::string>(v, "must be a string")); }});
 }
 
+Option& OptionTable::add_list(std::string key, std::function<std::vector<std::string>()> get,
+                              std::function<void(const std::vector<std::string>&)> set, std::string doc) {
+  return add({.key = std::move(key),
+              .doc = std::move(doc),
+              .get = std::move(get),
+              .set = [set = std::move(set)](const OptionValue& v) {
+                if (const auto* text = std::get_if<std::string>(&v)) return set({*text});
+                set(require<std::vector<std::string>>(v, "must be a string or a list of strings"));
+              }});
+}
+
 const Option& OptionTable::find(const std::string& name) const {
   std::vector<std::string> names;
   for (const Option& option : options_) {

@@ -101,6 +101,24 @@ class OptionTable {
         [&field](const std::string& text) { field = T::parse(text); }, doc);
   }
 
+  /// Adds a list of values, which TOML may also state as one string.
+  template <Textual T>
+  Option& add(std::string key, std::vector<T>& field, const std::string& doc) {
+    return add_list(
+        std::move(key),
+        [&field] {
+          std::vector<std::string> texts;
+          for (const T& item : field) texts.push_back(to_string(item));
+          return texts;
+        },
+        [&field](const std::vector<std::string>& texts) {
+          std::vector<T> items;
+          for (const std::string& text : texts) items.push_back(T::parse(text));
+          field = std::move(items);
+        },
+        doc);
+  }
+
   const std::vector<Option>& options() const { return options_; }
 
   /// Returns the option of this name, section.key, or with this flag. Throws UsageError with the nearest name for others.
@@ -125,6 +143,8 @@ class OptionTable {
   Option& add(Option option);
   Option& add_text(std::string key, std::vector<std::string> choices, std::function<std::string()> get,
                    std::function<void(const std::string&)> set, std::string doc);
+  Option& add_list(std::string key, std::function<std::vector<std::string>()> get,
+                   std::function<void(const std::vector<std::string>&)> set, std::string doc);
 
   std::string section_;
   Audience audience_ = Audience::user;

@@ -9,6 +9,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "dvi/drive/mask_source.h"
 #include "dvi/geometry/box.h"
 
 namespace dvi {
@@ -26,6 +27,7 @@ struct Label {
   std::optional<Box> box;          ///< in LiDAR axes, at the time of the image
   std::optional<cv::Rect2d> rect;  ///< in the image
   std::optional<Instance> instance;
+  MaskSource source = MaskSource::labels;  ///< of the object
 };
 
 /// The labels of each frame of a drive.

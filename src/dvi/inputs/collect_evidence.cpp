@@ -22,7 +22,7 @@ objects::CameraEvidence evidence_of(const Recording& open, const Trajectory& wor
   return {.drive = open.drive,
           .world_from_lidar = world_from_lidar,
           .name = name_of(open),
-          .source = open.masks_from,
+          .sources = open.masks_from,
           .detector = open.detector,
           .ego_mask = open.ego_mask,
           .rig_of = open.rig_of,

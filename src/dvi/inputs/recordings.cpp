@@ -13,6 +13,7 @@
 #include "dvi/datasets/compare_times.h"
 #include "dvi/datasets/pose_file.h"
 #include "dvi/datasets/pose_jumps.h"
+#include "dvi/inputs/mask_sources.h"
 #include "dvi/inputs/near_target.h"
 #include "dvi/inputs/poses.h"
 #include "dvi/labels/class_ids.h"
@@ -24,70 +25,9 @@
 namespace dvi::inputs {
 namespace {
 
-/// Replaces the drive's labels with those of a file, or of a folder with one file per image.
-void replace_labels(Drive& drive, const fs::path& path) {
-  const labels::FileLabels read = labels::read_labels(path, drive);
-  if (read.has_only_unknown_frames)
-    throw InputError(path, "has no labels of the drive: " + read.warnings.front(),
-                     "give the labels of this drive, or name its images as the labels do");
-  for (std::size_t i = 0; i < read.frames.size(); ++i) drive.frames[i].labels = read.frames[i];
-  drive.warnings.insert(drive.warnings.end(), read.warnings.begin(), read.warnings.end());
-  if (const Gap& gap = read.frames_after_last; !gap.frames.empty())
-    drive.warnings.push_back(gap.what + " " + format_ranges(gap.frames));
-  drive.labeled = true;
-  drive.labeled_around = read.all_around;
-  drive.other_files.insert(drive.other_files.end(), read.files.begin(), read.files.end());
-}
-
-std::optional<objects::MaskSource> resolve_masks(Drive& drive, const job::MasksFrom& from, MaskNeed need) {
-  if (from.kind == job::MasksFrom::Kind::automatic) {
-    const objects::MaskSource source = objects::choose_mask_source(drive);
-    if (source != objects::MaskSource::found) return source;
-    if (need == MaskNeed::optional) return std::nullopt;
-    if (!drive.scan_headers.empty()) return source;
-    if (need == MaskNeed::required)
-      throw InputError(drive.path, "has neither masks nor labels, and no scans in which moving objects could be found",
-                       "give --masks DIR (PNG files named as the images, 255 = remove) or --masks FILE (labels)");
-    drive.warnings.emplace_back("has neither masks nor labels nor scans, so its traffic may be copied into the result");
-    return std::nullopt;
-  }
-  if (from.kind == job::MasksFrom::Kind::found) {
-    if (drive.scan_headers.empty())
-      throw InputError(drive.path, "has no scans in which moving objects could be found", "give --masks DIR or --masks FILE");
-    return need == MaskNeed::optional ? std::nullopt : std::optional(objects::MaskSource::found);
-  }
-  if (from.kind == job::MasksFrom::Kind::labels) {
-    if (!drive.has_labels()) throw InputError(drive.path, "has no labels", "give --masks DIR or --masks FILE");
-    return objects::MaskSource::labels;
-  }
-  if (fs::is_directory(from.path) && !labels::is_label_folder(from.path)) {
-    labels::attach_masks(drive, from.path);
-    return objects::MaskSource::files;
-  }
-  if (!fs::exists(from.path))
-    throw InputError(from.path, "does not exist", "--masks takes a folder, a file, labels, found or auto");
-  replace_labels(drive, from.path);
-  return objects::MaskSource::labels;
-}
-
 std::shared_ptr<const objects::Detector> load_detector(const job::ReadChoice& choice) {
   if (choice.detector.empty()) return nullptr;
-  if (choice.masks.kind != job::MasksFrom::Kind::automatic)
-    throw UsageError("--detector and --masks both say what to remove: give one of them");
   return std::make_shared<const objects::Detector>(choice.detector);
-}
-
-/// Applies `--classes` and `--polarity` to the drive's labels or mask files.
-void apply_mask_options(Drive& drive, const std::optional<objects::MaskSource>& from, const job::ReadChoice& choice) {
-  const std::string& classes = choice.mask_files.classes;
-  if (from == objects::MaskSource::files) return labels::read_masks(drive, choice.mask_files);
-  if (from == objects::MaskSource::labels && (classes.empty() || choice.is_source)) labels::warn_of_unknown_types(drive);
-  if (classes.empty() || choice.is_source) return;
-  if (from == objects::MaskSource::detected)
-    throw UsageError("--classes " + classes + ": MODEL.toml determines the classes that a detector removes");
-  if (from != objects::MaskSource::labels)
-    throw UsageError("--classes " + classes + ": the drive has neither mask files nor labels to choose from");
-  labels::keep_label_types(drive, classes);
 }
 
 void resolve_poses(Drive& drive, const job::PosesFrom& from) {
@@ -186,6 +126,12 @@ Drive read_near_target(const Drive& target, const fs::path& path, datasets::Read
   return datasets::read_drive(path, read);
 }
 
+/// Returns whether `--masks none` excludes all sources beside the detector.
+bool uses_nothing_but_detector(const job::ReadChoice& choice) {
+  return std::all_of(choice.masks.begin(), choice.masks.end(),
+                     [](const job::MasksFrom& from) { return from.kind == job::MasksFrom::Kind::none; });
+}
+
 /// The options with which a drive is opened.
 struct OpenOptions {
   const job::ReadChoice& choice;
@@ -212,16 +158,12 @@ Recording open_drive(const fs::path& path, const OpenOptions& options, Progress&
   };
   warn();  // these may explain an error below
   resolve_poses(drive, choice.poses);
-  if (detector) {
-    open.masks_from = objects::MaskSource::detected;
-    open.detector = detector;
+  open.detector = detector;
+  if (detector)
     for (const fs::path& file : detector->files()) drive.other_files.push_back(file);
-  } else {
-    open.masks_from = resolve_masks(drive, choice.masks, need);
-  }
-  apply_mask_options(drive, open.masks_from, choice);
+  open.masks_from = attach_mask_sources(drive, choice, need);
   if (!choice.ego_mask.empty()) open.ego_mask = labels::read_static_mask(drive, choice.ego_mask, choice.mask_files.polarity);
-  if (open.masks_from == objects::MaskSource::files)
+  if (open.masks_from == MaskSources{MaskSource::files})
     if (const auto bare = labels::describe_frames_without_mask(drive)) drive.warnings.push_back(*bare);
   warn();
   return open;
@@ -233,7 +175,7 @@ std::string name_of(const Recording& open) {
   return open.drive.path.filename().string() + (open.rig_of ? " " + open.drive.camera_name : "");
 }
 
-std::string mask_source(const Recording& open) { return open.masks_from ? to_string(*open.masks_from) : "none"; }
+std::string mask_source(const Recording& open) { return to_string(open.masks_from); }
 
 Recording open_recording(const fs::path& path, const job::ReadChoice& choice, MaskNeed need, Progress& progress) {
   return open_drive(path, {choice, load_detector(choice), need}, progress);
@@ -248,6 +190,9 @@ Recordings open_recordings(const job::Job& job, MaskNeed need, Progress& progres
   further.camera = job.read.camera;
   further.topics = job.read.topics;
   further.mask_files = job.read.mask_files;
+  further.detector = job.read.detector;
+  further.remove = job.read.remove;
+  if (uses_nothing_but_detector(job.read)) further.masks = job.read.masks;
   further.is_source = true;
   const MaskNeed of_sources = need == MaskNeed::required ? MaskNeed::wanted : need;
   for (const std::string& path : job.sources)
@@ -260,7 +205,8 @@ Recordings open_recordings(const job::Job& job, MaskNeed need, Progress& progres
 Recordings open_images(const job::Job& job, Progress& progress) {
   bound_memory(job);
   Recording open = open_recording(job.target, job.read, MaskNeed::required, progress);
-  if (open.masks_from == objects::MaskSource::found)
+  open.masks_from.erase(MaskSource::found);  // moving objects are found in scans
+  if (open.masks_from.empty())
     throw InputError(open.drive.path, "has neither masks nor labels, and method " + to_string(job.method) + " finds none",
                      "make some with dvi mask, and give --masks DIR");
   open.drive.scan_headers.clear();
@@ -303,7 +249,7 @@ std::vector<std::string> verify(const Recordings& drives, const job::Job& job, P
       try {
         if (i < frames) {
           open.drive.images[i];
-          if (open.masks_from == objects::MaskSource::files) open.drive.masks[i];
+          if (open.masks_from.contains(MaskSource::files)) open.drive.masks[i];
         } else {
           returns[i - frames] = count_returns(*open.drive.scans[i - frames], range);
         }

@@ -8,16 +8,17 @@
 #include "dvi/core/hash.h"
 #include "dvi/core/progress.h"
 #include "dvi/datasets/reader.h"
+#include "dvi/drive/mask_source.h"
+#include "dvi/inputs/mask_sources.h"
 #include "dvi/job/job.h"
 #include "dvi/objects/detect/detector.h"
-#include "dvi/objects/label_masks.h"
 
 namespace dvi::inputs {
 
 /// A drive as observed by one of its cameras. Images and scans are read on demand, and poses are as given.
 struct Recording {
   Drive drive;
-  std::optional<objects::MaskSource> masks_from = {};      ///< none: nothing is removed
+  MaskSources masks_from = {};                             ///< empty: nothing is removed
   std::shared_ptr<const objects::Detector> detector = {};  ///< if masks are detected
   cv::Mat1b ego_mask = {};                                 ///< 255 on the ego vehicle in all frames; empty: none
   bool gray = false;                                       ///< its images have no colors
@@ -31,24 +32,19 @@ struct Recording {
 /// Returns the name of the drive's folder, followed by the name of the camera if it is another camera of the drive.
 std::string name_of(const Recording& open);
 
-/// Returns the name of the mask source: files, labels, detector, found, or none.
+/// Returns the names of the mask sources, such as "files, found"; "none" if there are none.
 std::string mask_source(const Recording& open);
 
 /// The target, then the source drives, then other cameras of these (rig.h).
 using Recordings = std::vector<Recording>;
 
-/// Whether masks are needed if a drive has neither masks nor labels. With `required` and `wanted`, moving objects are found in
-/// its scans. Without scans, `required` throws InputError, and `wanted` warns and masks nothing. With `optional`, nothing is
-/// masked.
-enum class MaskNeed { required, wanted, optional };
-
 /// Opens one drive as `choice` describes. Warnings go to `progress`.
 Recording open_recording(const fs::path& path, const job::ReadChoice& choice, MaskNeed need, Progress& progress);
 
 /// Opens the target and the source drives, each with one camera. The job's range of frames, masks, and poses apply to the
-/// target only, its detector to all drives. If masks of the target are required, those of source drives are wanted. The ego
-/// mask also applies to source drives whose camera has the name and size of the target's camera. Of source drives with given
-/// poses, only the part near the target is read (near_target.h).
+/// target only, its detector and `--masks none` to all drives. If masks of the target are required, those of source drives are
+/// wanted. The ego mask also applies to source drives whose camera has the name and size of the target's camera. Of source
+/// drives with given poses, only the part near the target is read (near_target.h).
 Recordings open_recordings(const job::Job& job, MaskNeed need, Progress& progress);
 
 /// Opens the target for methods that use images and masks only. Scans are left out, and a warning reports source drives, which

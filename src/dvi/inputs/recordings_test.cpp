@@ -14,6 +14,7 @@ namespace {
 using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 class OpenedDrive : public testing::Test {
  protected:
@@ -50,11 +51,11 @@ TEST_F(OpenedDrive, WithoutMasksAndLabelsMovingObjectsAreFound) {
   job.sources = {bare.path.string()};
   const Recordings drives = open_recordings(job, MaskNeed::required, progress);
   ASSERT_EQ(drives.size(), 2);
-  EXPECT_EQ(drives[0].masks_from, objects::MaskSource::files);
-  EXPECT_EQ(drives[1].masks_from, objects::MaskSource::found);
+  EXPECT_EQ(drives[0].masks_from, MaskSources{MaskSource::files});
+  EXPECT_EQ(drives[1].masks_from, MaskSources{MaskSource::found});
   job.sources.clear();
   job.target = bare.path.string();
-  EXPECT_FALSE(open_recordings(job, MaskNeed::optional, progress).front().masks_from);
+  EXPECT_THAT(open_recordings(job, MaskNeed::optional, progress).front().masks_from, IsEmpty());
   job.method = job::Method::telea;
   EXPECT_THAT(input_error([&] { open_images(job, progress); }), HasSubstr("dvi mask"));
 }

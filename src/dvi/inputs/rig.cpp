@@ -11,8 +11,8 @@
 
 #include "dvi/core/error.h"
 #include "dvi/drive/nearest_in_time.h"
+#include "dvi/inputs/mask_sources.h"
 #include "dvi/labels/mask_folder.h"
-#include "dvi/labels/mask_reading.h"
 #include "dvi/media/image_file.h"
 #include "dvi/objects/reprojected_mask.h"
 
@@ -67,21 +67,37 @@ bool has_boxes(const Drive& drive) {
   });
 }
 
-/// Chooses the mask source of another camera, and attaches its mask files.
-std::optional<objects::MaskSource> choose_mask_source(Drive& drive, const Recording& own, const job::ReadChoice& choice) {
-  if (!own.masks_from) return std::nullopt;
-  const job::MasksFrom from = choice.is_source ? job::MasksFrom() : choice.masks;
-  if (from.kind == job::MasksFrom::Kind::found) return objects::MaskSource::found;
-  const bool given = from.kind == job::MasksFrom::Kind::path;
-  if (given ? labels::find_camera_folder(from.path, drive.camera_name).has_value() : !drive.masks.empty()) {
-    if (given) labels::attach_masks(drive, from.path);
-    labels::read_masks(drive, choice.mask_files);
-    return objects::MaskSource::files;
+/// Attaches the mask files of another camera: its own, and those of folders with a subfolder for it. Returns whether there are
+/// any.
+bool attach_camera_masks(Drive& drive, const job::ReadChoice& choice) {
+  using From = job::MasksFrom::Kind;
+  bool and_own = choice.is_source && !drive.masks.empty();
+  std::vector<job::MasksFrom> folders;
+  if (!choice.is_source)
+    for (const job::MasksFrom& from : choice.masks) {
+      and_own |= (from.kind == From::automatic || from.kind == From::labels) && !drive.masks.empty();
+      if (from.kind == From::path && labels::find_camera_folder(from.path, drive.camera_name)) folders.push_back(from);
+    }
+  attach_mask_files(drive, folders, and_own, choice);
+  return and_own || !folders.empty();
+}
+
+/// Chooses the mask sources of another camera, and attaches its mask files. They replace the sources of the drive's own camera
+/// if that has one source only. Otherwise each source has its counterpart, or its masks are reprojected.
+MaskSources choose_mask_sources(Drive& drive, const Recording& own, const job::ReadChoice& choice) {
+  if (own.masks_from.empty()) return {};
+  MaskSources out;
+  if (attach_camera_masks(drive, choice)) {
+    out.insert(MaskSource::files);
+    if (own.masks_from.size() == 1) return out;
   }
-  if (own.masks_from == objects::MaskSource::found) return objects::MaskSource::found;
   const bool boxes = own.drive.labeled_around || has_boxes(own.drive);
-  return own.masks_from == objects::MaskSource::labels && boxes ? objects::MaskSource::labels
-                                                                : objects::MaskSource::reprojected;
+  for (const MaskSource source : own.masks_from)
+    if (source == MaskSource::found || (source == MaskSource::labels && boxes))
+      out.insert(source);
+    else if (source != MaskSource::files || !out.contains(MaskSource::files))
+      out.insert(MaskSource::reprojected);
+  return out;
 }
 
 /// Copies the boxes of the frame nearest in time. Outlines are left out, because they belong to the other image.
@@ -114,16 +130,17 @@ Recording open_camera(const Recordings& drives, std::size_t number, const std::s
     return std::find(own.drive.warnings.begin(), own.drive.warnings.end(), warning) != own.drive.warnings.end();
   });
   open.rig_of = number;
-  open.masks_from = choose_mask_source(drive, own, choice);
+  open.masks_from = choose_mask_sources(drive, own, choice);
   // A recording may label each camera's images at their own times. A label file given by the user is for the own camera only.
   const bool labeled = std::any_of(drive.frames.begin(), drive.frames.end(), [](const Frame& f) { return !f.labels.empty(); });
-  const bool has_own_labels =
-      labeled && drive.labeled_around && (choice.is_source || choice.masks.kind != job::MasksFrom::Kind::path);
-  if (open.masks_from == objects::MaskSource::labels && !has_own_labels) {
+  const auto is_path = [](const job::MasksFrom& from) { return from.kind == job::MasksFrom::Kind::path; };
+  const bool names_no_path = std::none_of(choice.masks.begin(), choice.masks.end(), is_path);
+  const bool has_own_labels = labeled && drive.labeled_around && (choice.is_source || names_no_path);
+  if (open.masks_from.contains(MaskSource::labels) && !has_own_labels) {
     share_boxes(own.drive, drive);
     open.labeled_in_part = !drive.labeled_around;
   }
-  if (open.masks_from == objects::MaskSource::files)
+  if (open.masks_from == MaskSources{MaskSource::files})
     if (const auto bare = labels::describe_frames_without_mask(drive)) drive.warnings.push_back(*bare);
   open.gray = is_gray(drive);
   return open;

@@ -3,8 +3,10 @@
 #include <array>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "dvi/core/named.h"
+#include "dvi/labels/mask_reading.h"
 #include "dvi/objects/evidence.h"
 
 namespace dvi::job {
@@ -37,19 +39,25 @@ constexpr auto names_of(PosesFrom::Kind) {
 }
 std::string to_string(const PosesFrom& from);
 
-/// The values of `--masks`. automatic: the mask files of the drive, else its labels, else moving objects. found: moving
-/// objects, even if the drive has masks or labels.
+/// One value of `--masks`. automatic: the mask files of the drive, else its labels, else moving objects. found: moving objects,
+/// even if the drive has masks or labels. none: nothing, so that other sources are used alone.
 struct MasksFrom {
-  enum class Kind { automatic, labels, found, path };
+  enum class Kind { automatic, labels, found, none, path };
   Kind kind = Kind::automatic;
-  std::string path = {};  ///< a folder of PNG files or a file of labels, for Kind::path
+  std::string path = {};                                    ///< a folder of PNG files or a file of labels, for Kind::path
+  labels::Polarity polarity = labels::Polarity::automatic;  ///< of this folder; automatic: that of `--polarity`
 
-  static MasksFrom parse(const std::string& text);  ///< any text that is not a keyword is a path
+  /// Parses a keyword or a path, which may follow "white:" or "black:".
+  static MasksFrom parse(const std::string& text);
+  bool operator==(const MasksFrom&) const = default;
 };
 constexpr auto names_of(MasksFrom::Kind) {
   using Kind = MasksFrom::Kind;
-  return std::array{std::pair{Kind::automatic, "auto"}, std::pair{Kind::labels, "labels"}, std::pair{Kind::found, "found"}};
+  return std::array{std::pair{Kind::automatic, "auto"}, std::pair{Kind::labels, "labels"}, std::pair{Kind::found, "found"},
+                    std::pair{Kind::none, "none"}};
 }
 std::string to_string(const MasksFrom& from);
+/// Formats several values, separated by blanks.
+std::string to_string(const std::vector<MasksFrom>& sources);
 
 }  // namespace dvi::job

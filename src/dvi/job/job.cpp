@@ -65,7 +65,8 @@ OptionTable Job::table() {
   table.add(
       "masks", read.masks,
       "Determines the removed objects: auto (the drive's mask files, else its labels, else moving objects), labels, found "
-      "(moving objects), DIR (PNG masks, LabelMe), or FILE (labels: KITTI, MOTS, COCO, CVAT, boxes.json).");
+      "(moving objects), none, DIR (PNG masks, LabelMe), or FILE (labels: KITTI, MOTS, COCO, CVAT, boxes.json). The union of "
+      "several values is removed; white:DIR and black:DIR state the polarity of one folder.");
   table.add(
       "polarity", read.mask_files.polarity,
       "States which pixels of mask files are removed: white, black, or auto (white, unless most masks are mostly white).");
@@ -75,12 +76,12 @@ OptionTable Job::table() {
   table.add("ego_mask", read.ego_mask, {},
             "Names a PNG that masks the ego vehicle in all frames, such as its hood; it is removed, too; empty: none.");
   table.add("detector", read.detector, {},
-            "Names a network (MODEL.onnx, with MODEL.toml beside it) whose detections are removed; empty: masks are used.");
+            "Names a network (MODEL.onnx, with MODEL.toml beside it) whose detections are removed, too; empty: none.");
   table.add("poses", read.poses,
             "Selects the poses: auto (given or loam, whichever map is sharper), given, loam (estimated from scans), or FILE.");
   Option& remove = table.add("remove", read.remove,
                              "Selects the removed objects: moving (labeled objects that move), labeled (all masked ones), or "
-                             "all (both masks and labels).");
+                             "all (as labeled, with the labels of the drive beside its mask files).");
   remove.set = [set = remove.set](const OptionValue& value) {
     set(value == OptionValue("labelled") ? OptionValue("labeled") : value);
   };

@@ -49,14 +49,14 @@ struct Options {
 
 /// The data to read, for every command that opens a drive.
 struct ReadChoice {
-  std::string camera;               ///< empty: the drive's first
-  std::vector<std::string> topics;  ///< of bags: "image=/front/image_raw"
-  std::string frames;               ///< "A:B" or "A"; empty: all
-  MasksFrom masks;
-  labels::MaskReading mask_files;  ///< how mask files are read, also those of source drives
-  bool is_source = false;          ///< classes select mask files only: labeled objects of a source drive are not background
-  std::string ego_mask;            ///< a file: one mask for all frames of the camera; empty: none
-  std::string detector;            ///< MODEL.onnx that detects the objects to remove in all drives; empty: `masks` is used
+  std::string camera;                         ///< empty: the drive's first
+  std::vector<std::string> topics;            ///< of bags: "image=/front/image_raw"
+  std::string frames;                         ///< "A:B" or "A"; empty: all
+  std::vector<MasksFrom> masks{MasksFrom{}};  ///< their union is removed, with the detections of `detector`
+  labels::MaskReading mask_files;             ///< how mask files are read, also those of source drives
+  bool is_source = false;  ///< classes select mask files only: labeled objects of a source drive are not background
+  std::string ego_mask;    ///< a file: one mask for all frames of the camera; empty: none
+  std::string detector;    ///< MODEL.onnx that detects objects to remove in all drives; empty: none
   PosesFrom poses;
   std::string source_cameras = "all";  ///< other cameras of each drive to copy from: all, none, or NAME,NAME
   Remove remove = Remove::labeled;

@@ -70,7 +70,8 @@ TEST(Job, ChoicesAreWordsOrPaths) {
   EXPECT_EQ(MasksFrom::parse("labels").kind, MasksFrom::Kind::labels);
   for (const char* text : {"auto", "given", "loam", "a/poses.txt"}) EXPECT_EQ(to_string(PosesFrom::parse(text)), text);
   EXPECT_EQ(MasksFrom::parse("found").kind, MasksFrom::Kind::found);
-  for (const char* text : {"auto", "labels", "found", "a/masks"}) EXPECT_EQ(to_string(MasksFrom::parse(text)), text);
+  for (const char* text : {"auto", "labels", "found", "none", "a/masks", "white:a/masks", "black:labels"})
+    EXPECT_EQ(to_string(MasksFrom::parse(text)), text);
   for (const std::string& name : list_names<Method>()) EXPECT_EQ(to_string(parse_name<Method>(name)), name);
   EXPECT_TRUE(is_baseline(Method::ns));
   EXPECT_FALSE(is_baseline(Method::paper));

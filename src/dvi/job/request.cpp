@@ -1,7 +1,5 @@
 #include "dvi/job/request.h"
 
-#include "dvi/core/error.h"
-
 namespace dvi::job {
 namespace {
 
@@ -15,21 +13,16 @@ void make_absolute(std::string& path) {
 Job Request::job(const std::string& out, const std::string& target, const std::vector<std::string>& sources) const {
   Job job;
   OptionTable table = job.table();
-  bool method = false, masks = false, detector = false;
+  bool method = false;
   if (!config.empty()) table.load_toml(config);
   for (const Assignment& assignment : assignments) {
     const std::string name = table.find(assignment.option).name();
-    masks |= name == "job.masks";
-    detector |= name == "job.detector";
     method |= name == "job.method";
     if (name == "job.method") table.assign(assignment);
   }
-  if (masks && detector) throw UsageError("--detector and --masks both say what to remove: give one of them");
   use_method(job.method, job.options);
   // Once more: the single options of the file override the values of the method that it names.
   if (!config.empty() && !method) table.load_toml(config);
-  if (masks) job.read.detector.clear();
-  if (detector) job.read.masks = {};
   for (const Assignment& assignment : assignments) table.assign(assignment);
   job.options.check();
   if (!out.empty()) job.out = out;
@@ -37,8 +30,8 @@ Job Request::job(const std::string& out, const std::string& target, const std::v
     job.target = target;
     job.sources = sources;
   }
-  for (std::string* path : {&job.target, &job.read.masks.path, &job.read.ego_mask, &job.read.detector, &job.read.poses.file})
-    make_absolute(*path);
+  for (std::string* path : {&job.target, &job.read.ego_mask, &job.read.detector, &job.read.poses.file}) make_absolute(*path);
+  for (MasksFrom& from : job.read.masks) make_absolute(from.path);
   for (std::string& path : job.sources) make_absolute(path);
   return job;
 }

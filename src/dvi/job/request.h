@@ -13,9 +13,8 @@ struct Request {
   std::string config;                   ///< a TOML file, such as the dvi.toml of an earlier result; empty: none
   std::vector<Assignment> assignments;  ///< in the order in which they were given
 
-  /// Makes the job: the defaults, then the values of the method, then the file, then the assignments. An assignment to masks
-  /// replaces the detector of the file, and vice versa; throws UsageError if both are assigned. Empty paths keep those of the
-  /// file. Existing paths become absolute.
+  /// Makes the job: the defaults, then the values of the method, then the file, then the assignments. Empty paths keep those of
+  /// the file. Existing paths become absolute.
   Job job(const std::string& out, const std::string& target, const std::vector<std::string>& sources) const;
 };
 

@@ -67,15 +67,31 @@ TEST(Request, PathsThatExistBecomeAbsolute) {
   EXPECT_EQ(to_string(job.read.poses), "auto");
 }
 
-TEST(Request, DetectorAndMasksReplaceEachOtherFromAFile) {
+TEST(Request, DetectorAndMasksAreIndependent) {
   const TempFolder folder;
-  const Job detected = make_job({{"--detector", "net.onnx"}}, folder.write("masks.toml", "[job]\nmasks = \"a/folder\"\n"));
-  EXPECT_EQ(detected.read.detector, "net.onnx");
-  EXPECT_EQ(to_string(detected.read.masks), "auto");
-  const fs::path config = folder.write("detector.toml", "[job]\ndetector = \"net.onnx\"\n");
-  EXPECT_EQ(make_job({}, config).read.detector, "net.onnx");
-  EXPECT_EQ(make_job({{"--masks", "labels"}}, config).read.detector, "");
-  EXPECT_THROW(make_job({{"--masks", "labels"}, {"job.detector", "net.onnx"}}, config), UsageError);
+  const fs::path config = folder.write("job.toml", "[job]\nmasks = \"a/folder\"\ndetector = \"net.onnx\"\n");
+  const Job from_file = make_job({}, config);
+  EXPECT_EQ(from_file.read.detector, "net.onnx");
+  EXPECT_EQ(to_string(from_file.read.masks), "a/folder");
+  const Job other = make_job({{"--masks", "labels"}}, config);
+  EXPECT_EQ(other.read.detector, "net.onnx");
+  EXPECT_EQ(to_string(other.read.masks), "labels");
+}
+
+TEST(Request, MasksAreAListOfSources) {
+  const TempFolder folder;
+  const std::vector<std::string> list{"white:a/folder", "found", "b.json"};
+  const std::string text = R"(["white:a/folder", "found", "b.json"])";
+  const fs::path config = folder.write("job.toml", "[job]\nmasks = " + text + "\n");
+  for (const Job& job : {make_job({}, config), make_job({{"--masks", list}}), make_job({{"job.masks", text}})}) {
+    ASSERT_EQ(job.read.masks.size(), 3U);
+    EXPECT_EQ(job.read.masks[0].path, "a/folder");
+    EXPECT_EQ(job.read.masks[0].polarity, labels::Polarity::white);
+    EXPECT_EQ(job.read.masks[1].kind, MasksFrom::Kind::found);
+    EXPECT_EQ(to_string(job.read.masks), "white:a/folder found b.json");
+  }
+  EXPECT_EQ(make_job({}).read.masks, std::vector<MasksFrom>{MasksFrom{}});
+  EXPECT_THROW(make_job({}, folder.write("bad.toml", "[job]\nmasks = 3\n")), UsageError);
 }
 
 TEST(Request, AssignmentsMustNameAnOptionAndFitIt) {

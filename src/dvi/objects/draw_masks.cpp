@@ -41,12 +41,13 @@ Lazy<cv::Mat1b> draw_unlabeled(const CameraEvidence& own, const FrameLabels& obj
                          other.world_from_lidar);
 }
 
-Lazy<cv::Mat1b> draw_camera(const CameraRef& ref, const Objects& objects, const RemovalOptions& options, Progress& progress) {
-  const CameraEvidence& own = ref.camera();
-  Lazy<cv::Mat1b> images = draw_plain_masks(own, objects[ref.index].labels, options);
-  if (const int radius = options.masks.file_dilation_px(); radius > 0 && own.source == MaskSource::files)
+// Draws the masks of mask files, labels, and detections, with their completion and shadows.
+Lazy<cv::Mat1b> draw_shown(const CameraRef& ref, const CameraObjects& found, const RemovalOptions& options,
+                           Progress& progress) {
+  const CameraEvidence own = ref.camera().restricted_to({MaskSource::files, MaskSource::labels, MaskSource::detected});
+  Lazy<cv::Mat1b> images = draw_plain_masks(own, found.labels, options);
+  if (const int radius = options.masks.file_dilation_px(); radius > 0 && own.has(MaskSource::files))
     progress.note(fmt::format("{}: mask files are dilated by {} px (masks.dilate_px)", own.name, radius));
-  const CameraObjects& found = objects[ref.index];
   if (has_labels(*found.completed) || has_labels(*found.background))
     images = {images.size(), [images, found, ego = own.ego_mask](std::size_t i) {
                 const auto given = images[i];
@@ -54,9 +55,24 @@ Lazy<cv::Mat1b> draw_camera(const CameraRef& ref, const Objects& objects, const 
                 if (!ego.empty()) kept.setTo(0, ego);
                 return cv::Mat1b((*given & ~kept) | draw_instances((*found.completed)[i], given->size()));
               }};
-  const bool from_scans = own.source == MaskSource::found;
-  if (own.source && (from_scans || options.masks.shadows))
-    images = refine_masks(ref, images, {from_scans ? objects[ref.index].labels : nullptr, options.masks.shadows}, progress);
+  if (own.sources.empty() || !options.masks.shadows) return images;
+  return refine_masks(ref, images, {nullptr, options.masks.shadows}, progress);
+}
+
+// Draws the masks of moving objects, with their shadows.
+Lazy<cv::Mat1b> draw_moving(const CameraRef& ref, const CameraObjects& found, const RemovalOptions& options,
+                            Progress& progress) {
+  const Lazy<cv::Mat1b> images = draw_plain_masks(ref.camera().restricted_to({MaskSource::found}), found.labels, options);
+  return refine_masks(ref, images, {found.labels, options.masks.shadows}, progress);
+}
+
+Lazy<cv::Mat1b> draw_camera(const CameraRef& ref, const Objects& objects, const RemovalOptions& options, Progress& progress) {
+  const CameraEvidence& own = ref.camera();
+  std::vector<Lazy<cv::Mat1b>> parts;
+  if (own.shows_objects() || own.sources.empty()) parts.push_back(draw_shown(ref, objects[ref.index], options, progress));
+  if (own.has(MaskSource::found)) parts.push_back(draw_moving(ref, objects[ref.index], options, progress));
+  Lazy<cv::Mat1b> images = parts.front();
+  for (std::size_t i = 1; i < parts.size(); ++i) images = unite(images, parts[i]);
   if (own.labeled_in_part) {
     const std::size_t first = *own.rig_of;
     images = unite(images, draw_unlabeled(ref.evidence[first], *objects[first].labels, own, options));
@@ -82,14 +98,11 @@ FrameLabels select_removed_labels(const CameraEvidence& evidence, const RemovalO
 }
 
 Lazy<cv::Mat1b> draw_object_masks(const CameraEvidence& evidence, const SharedLabels& objects, const RemovalOptions& options) {
-  const Drive& drive = evidence.drive;
-  const Lazy<cv::Mat1b> masks = draw_label_masks(drive, *evidence.source, objects, options.masks);
-  const bool add_labels = options.remove == Remove::all && evidence.source == MaskSource::files && drive.has_labels();
-  return add_labels ? unite(masks, draw_label_masks(drive, MaskSource::labels, objects, options.masks)) : masks;
+  return draw_label_masks(evidence.drive, evidence.sources, objects, options.masks);
 }
 
 Lazy<cv::Mat1b> draw_plain_masks(const CameraEvidence& evidence, const SharedLabels& objects, const RemovalOptions& options) {
-  if (!evidence.source) return draw_ego_masks(evidence);
+  if (evidence.sources.empty()) return draw_ego_masks(evidence);
   const Lazy<cv::Mat1b> masks = draw_object_masks(evidence, objects, options);
   if (evidence.ego_mask.empty()) return masks;
   return {masks.size(), [masks, ego = evidence.ego_mask](std::size_t i) { return cv::Mat1b(*masks[i] | ego); }};
@@ -99,13 +112,14 @@ Masks draw_masks(const Evidence& evidence, const Objects& objects, const Removal
   Masks masks;
   for (std::size_t i = 0; i < evidence.size(); ++i) {
     const CameraEvidence& camera = evidence[i];
-    if (camera.source == MaskSource::reprojected) {
+    Lazy<cv::Mat1b> images;
+    if (camera.sources != MaskSources{MaskSource::reprojected}) images = draw_camera({evidence, i}, objects, options, progress);
+    if (camera.has(MaskSource::reprojected)) {
       const std::size_t own = *camera.rig_of;
-      masks.push_back(
-          {reproject_masks(evidence[own].drive, masks[own].images, camera.drive, camera.world_from_lidar), objects[i]});
-    } else {
-      masks.push_back({draw_camera({evidence, i}, objects, options, progress), objects[i]});
+      const auto reprojected = reproject_masks(evidence[own].drive, masks[own].images, camera.drive, camera.world_from_lidar);
+      images = images.empty() ? reprojected : unite(images, reprojected);
     }
+    masks.push_back({images, objects[i]});
   }
   return masks;
 }
@@ -117,15 +131,15 @@ Masks find_and_draw(const Evidence& evidence, const RemovalOptions& options, Pro
 GivenMasks draw_given_masks(const Evidence& evidence, const RemovalOptions& options) {
   GivenMasks out;
   for (std::size_t i = 0; i < evidence.size(); ++i) {
-    const CameraEvidence& camera = evidence[i];
+    const CameraEvidence camera = evidence[i].restricted_to({MaskSource::files, MaskSource::labels});
     const Lazy<cv::Mat1b> images = camera.is_given()
                                        ? draw_plain_masks(camera, shared(select_given_labels(camera, options)), options)
                                        : draw_ego_masks(camera);
     out.masks.push_back({images});
   }
   const CameraEvidence& target = evidence[0];
-  const bool is_exact = !options.masks.shadows && !options.objects.complete && options.remove != Remove::all;
-  out.complete = !target.source || (target.source == MaskSource::files && is_exact);
+  const bool is_exact = !options.masks.shadows && !options.objects.complete;
+  out.complete = target.sources.empty() || (target.sources == MaskSources{MaskSource::files} && is_exact);
   out.refined = options.objects.complete && options.objects.refine;
   return out;
 }

@@ -17,7 +17,7 @@ struct CameraMasks {
 /// Masks per camera of the evidence.
 using Masks = std::vector<CameraMasks>;
 
-/// Draws the masks of all cameras: from mask files or from `objects`, with the shadows beside them if poses and scans are
+/// Draws the masks of all cameras: the union of mask files and `objects`, with the shadows beside them if poses and scans are
 /// available. Masks from motion segmentation are refined in the images.
 Masks draw_masks(const Evidence& evidence, const Objects& objects, const RemovalOptions& options, Progress& progress);
 
@@ -35,7 +35,7 @@ struct GivenMasks {
 /// Draws the given masks of all cameras.
 GivenMasks draw_given_masks(const Evidence& evidence, const RemovalOptions& options);
 
-/// Draws the masks of one camera from its mask files or from `objects` (per frame), without ego mask, shadows, and refinement
+/// Draws the masks of one camera from its mask files and from `objects` (per frame), without ego mask, shadows, and refinement
 /// in the images.
 Lazy<cv::Mat1b> draw_object_masks(const CameraEvidence& evidence, const SharedLabels& objects, const RemovalOptions& options);
 

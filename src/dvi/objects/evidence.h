@@ -11,6 +11,7 @@
 
 #include "dvi/core/named.h"
 #include "dvi/drive/drive.h"
+#include "dvi/drive/mask_source.h"
 #include "dvi/ground/scan_ground.h"
 #include "dvi/objects/detect/detector.h"
 #include "dvi/objects/label_masks.h"
@@ -19,8 +20,8 @@ namespace dvi::objects {
 
 using dvi::to_string;  // for the enums below, beside the overloads of this namespace
 
-/// The selection of removed objects. labeled: all that labels or mask files cover. moving: the labeled objects that move. all:
-/// what labels and mask files cover together.
+/// The selection of removed objects. labeled: all objects of the mask sources. moving: the labeled objects that move. all: as
+/// labeled, and the labels of a drive are a source beside its mask files.
 enum class Remove { moving, labeled, all };
 constexpr auto names_of(Remove) {
   return std::array{std::pair{Remove::moving, "moving"}, std::pair{Remove::labeled, "labeled"}, std::pair{Remove::all, "all"}};
@@ -53,15 +54,24 @@ struct CameraEvidence {
   const Drive& drive;                                  ///< with its labels and mask files
   const Trajectory& world_from_lidar;                  ///< empty without poses
   std::string name;                                    ///< name for messages: of the drive, or of the drive and the camera
-  std::optional<MaskSource> source;                    ///< empty: only the ego mask is removed
+  MaskSources sources;                                 ///< empty: only the ego mask is removed
   std::shared_ptr<const Detector> detector = nullptr;  ///< for MaskSource::detected
   cv::Mat1b ego_mask{};                                ///< removed from all frames, 255; empty if there is none
   std::optional<std::size_t> rig_of{};                 ///< for further cameras of a drive: index of the drive's own camera
   bool labeled_in_part = false;                        ///< whether labels cover the view of the drive's own camera only
   std::vector<bool> untrusted_scans{};                 ///< per scan of the drive, whether its pose is known to be wrong
 
-  /// Whether mask files or labels define the objects, so that nothing has to be found.
-  bool is_given() const { return source == MaskSource::files || source == MaskSource::labels; }
+  bool has(MaskSource source) const { return sources.contains(source); }
+  /// Returns whether mask files or labels define objects.
+  bool is_given() const { return has(MaskSource::files) || has(MaskSource::labels); }
+  /// Returns whether masks, labels, or detections show objects in the images.
+  bool shows_objects() const { return is_given() || has(MaskSource::detected); }
+  /// Returns the evidence of those of its sources that are in `kept`.
+  CameraEvidence restricted_to(const MaskSources& kept) const {
+    CameraEvidence out = *this;
+    std::erase_if(out.sources, [&](MaskSource source) { return !kept.contains(source); });
+    return out;
+  }
 };
 
 /// The evidence of all cameras of all drives: the target drive first, and the own camera of each drive before its further

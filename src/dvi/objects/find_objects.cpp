@@ -23,20 +23,44 @@
 namespace dvi::objects {
 namespace {
 
+void set_source(FrameLabels& labels, MaskSource source) {
+  for (std::vector<Label>& frame : labels)
+    for (Label& label : frame) label.source = source;
+}
+
+// Returns the number after the highest track number.
+int next_track(const FrameLabels& labels) {
+  int next = 0;
+  for (const std::vector<Label>& frame : labels)
+    for (const Label& label : frame) next = std::max(next, label.track + 1);
+  return next;
+}
+
+// Appends labels frame by frame. Their tracks are numbered from `first_track` on.
+void append(FrameLabels& labels, FrameLabels more, int first_track) {
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    for (Label& label : more[i]) {
+      if (label.track >= 0) label.track += first_track;
+      labels[i].push_back(std::move(label));
+    }
+}
+
 FrameLabels run_detector(const CameraEvidence& evidence, Progress& progress) {
   const Drive& drive = evidence.drive;
   progress.begin("detect", drive.frames.size());
   FrameLabels labels = detect_objects(drive, *evidence.detector, [&] { progress.advance(); });
   progress.end();
+  set_source(labels, MaskSource::detected);
   if (std::all_of(labels.begin(), labels.end(), [](const std::vector<Label>& frame) { return frame.empty(); }))
     progress.warn(drive.path.filename().string() + ": the detector finds no object to remove in any frame");
   return labels;
 }
 
 FrameLabels select_objects(const CameraEvidence& evidence, const RemovalOptions& options, Progress& progress) {
-  if (evidence.source == MaskSource::reprojected) return FrameLabels(evidence.drive.frames.size());
-  if (evidence.source == MaskSource::detected) return run_detector(evidence, progress);
-  return select_removed_labels(evidence, options);
+  FrameLabels labels(evidence.drive.frames.size());
+  if (evidence.is_given() || evidence.sources.empty()) labels = select_removed_labels(evidence, options);
+  if (evidence.has(MaskSource::detected)) append(labels, run_detector(evidence, progress), next_track(labels));
+  return labels;
 }
 
 void warn_of_untrusted(const CameraEvidence& evidence, const std::vector<std::size_t>& contradictory_scans,
@@ -59,6 +83,13 @@ void warn_of_untrusted(const CameraEvidence& evidence, const std::vector<std::si
   warn(contradictory_scans, "contradict the other scans at many positions, which indicates wrong poses");
 }
 
+// The input of the search, which all of its parts share.
+struct SearchInput {
+  const Evidence& evidence;
+  const RemovalOptions& options;
+  Progress& progress;
+};
+
 // The returns of one drive and the objects that move in them.
 struct DriveMotion {
   std::shared_ptr<const ground::ScanGround> ground;  // null without poses or scans
@@ -69,8 +100,8 @@ struct DriveMotion {
 // The moving objects of all drives, each segmented at the first call.
 class MovingObjects {
  public:
-  MovingObjects(const Evidence& evidence, const RemovalOptions& options, Progress& progress)
-      : evidence_(evidence), options_(options), progress_(progress) {}
+  explicit MovingObjects(const SearchInput& input)
+      : evidence_(input.evidence), options_(input.options), progress_(input.progress) {}
 
   // Returns the motion in the drive whose own camera this is; without tracks if it has no poses or scans.
   const DriveMotion& of_drive(std::size_t camera) {
@@ -84,6 +115,22 @@ class MovingObjects {
     const CameraEvidence& evidence = evidence_[camera];
     return draw_outlines(of_drive(evidence_.own_camera(camera)).tracks, evidence.drive, evidence.world_from_lidar,
                          options_.masks.footprint_margin_m);
+  }
+
+  // Finds the moving objects in the frames of a camera, by the scans and the images.
+  FrameLabels find_in(std::size_t index) {
+    const CameraEvidence camera = evidence_[index].restricted_to({MaskSource::found});
+    const std::vector<Track>& tracks = of_drive(evidence_.own_camera(index)).tracks;
+    if (tracks.empty() && !camera.rig_of)
+      progress_.warn(camera.name + ": its scans show no moving objects" +
+                     (evidence_[index].sources.size() == 1 ? ", so nothing is removed" : ""));
+    FrameLabels labels = draw_outlines_in(index);
+    set_source(labels, MaskSource::found);
+    if (!evidence_.ground(index)) return labels;
+    const SharedLabels outlines = shared(std::move(labels));
+    labels = extend_in_images({evidence_, index}, draw_plain_masks(camera, outlines, options_), outlines, tracks);
+    set_source(labels, MaskSource::found);
+    return labels;
   }
 
  private:
@@ -108,7 +155,7 @@ class MovingObjects {
   std::map<std::size_t, DriveMotion> drives_;  // by own camera
 };
 
-// Returns whether masks or labels remove nothing in any frame. The first frame decides for most drives.
+// Returns whether the masks remove nothing in any frame. The first frame decides for most drives.
 bool removes_nothing(const CameraEvidence& evidence, const SharedLabels& objects, const RemovalOptions& options) {
   const Lazy<cv::Mat1b> masks = draw_object_masks(evidence, objects, options);
   for (std::size_t i = 0; i < masks.size(); ++i)
@@ -130,11 +177,10 @@ std::string describe_unmasked_motion(const FrameLabels& moving, const Drive& dri
                      tracks.size(), tracks.size() == 1 ? "" : "s", tracks.size() == 1 ? "s" : "", *first);
 }
 
-std::string describe_nothing_removed(const CameraEvidence& evidence, const RemovalOptions& options) {
-  const Drive& drive = evidence.drive;
+std::string describe_nothing_removed(const Drive& drive, MaskSource source, const RemovalOptions& options) {
   std::size_t labels = 0;
   for (const Frame& frame : drive.frames) labels += frame.labels.size();
-  if (evidence.source == MaskSource::labels)
+  if (source == MaskSource::labels)
     return fmt::format("its labels ({} in {} frames) remove nothing{}", labels, drive.frames.size(),
                        labels > 0 && options.remove == Remove::moving ? ": no labeled object moves" : "");
   return fmt::format(
@@ -150,34 +196,31 @@ bool has_boxes_with_tracks(const Drive& drive) {
 
 // Warns if --remove moving cannot distinguish stationary objects.
 void warn_of_all_removed(const CameraEvidence& evidence, Progress& progress) {
-  if (!evidence.source || evidence.source == MaskSource::found) return;
   const Drive& drive = evidence.drive;
   const auto warn = [&](const char* reason, const char* remedy) {
     progress.warn(fmt::format("{}: --remove moving: {}, so everything masked is removed; {}", drive.path.filename().string(),
                               reason, remedy));
   };
-  if (*evidence.source == MaskSource::detected)
+  if (evidence.has(MaskSource::detected))
     warn("a detector does not show which objects are stationary",
          "remove these from the masks that dvi mask writes, or use labels with 3D boxes");
-  else if (*evidence.source == MaskSource::files)
+  if (evidence.has(MaskSource::files))
     warn("mask files do not show which objects are stationary",
          "remove the objects to keep from the mask files, or use labels with 3D boxes");
-  else if (evidence.world_from_lidar.empty())
+  if (!evidence.has(MaskSource::labels)) return;
+  if (evidence.world_from_lidar.empty())
     warn("without poses it is unknown which objects are stationary", "give --poses FILE");
   else if (!has_boxes_with_tracks(drive))
     warn("no label has a 3D box and a track that show which objects are stationary", "give such labels with --masks FILE");
 }
 
-// Whether masks, labels, or detections of this camera show objects.
-bool shows_objects(const CameraEvidence& camera) { return camera.is_given() || camera.source == MaskSource::detected; }
-
-// Labels beside mask files are evidence only if they are removed, too.
+// Labels that are not a source of the masks are not evidence, such as those of a drive whose mask files are used instead.
 CameraMaskEvidence collect_mask_evidence(const CameraEvidence& camera, const SharedLabels& labels,
                                          const RemovalOptions& options) {
-  const bool are_removed = camera.source != MaskSource::files || options.remove == Remove::all;
+  FrameLabels removed = *labels;
+  for (std::vector<Label>& frame : removed) std::erase_if(frame, [&](const Label& label) { return !camera.has(label.source); });
   return {camera, draw_object_masks(camera, labels, options),
-          draw_object_masks(camera, shared(select_unboxed(*labels)), options),
-          are_removed ? labels : shared(FrameLabels(labels->size()))};
+          draw_object_masks(camera, shared(select_unboxed(*labels)), options), shared(std::move(removed))};
 }
 
 bool removes_anything(const CameraMaskEvidence& camera) {
@@ -210,12 +253,12 @@ void warn_of_repeated_tracks(const CameraMaskEvidence& own, Progress& progress) 
 }
 
 // Completes the objects of the drive whose own camera is `own` in all of its cameras.
-void complete_drive(const Evidence& evidence, std::size_t own, const RemovalOptions& options, MovingObjects& moving,
-                    Progress& progress, Objects& objects) {
+void complete_drive(const SearchInput& input, std::size_t own, MovingObjects& moving, Objects& objects) {
+  const auto& [evidence, options, progress] = input;
   std::vector<CameraMaskEvidence> cameras;
   std::vector<CameraObjects*> objects_of;  // per camera
   for (std::size_t i = own; i < evidence.size(); ++i) {
-    if (evidence.own_camera(i) != own || !shows_objects(evidence[i])) continue;
+    if (evidence.own_camera(i) != own || !evidence[i].shows_objects()) continue;
     cameras.push_back(collect_mask_evidence(evidence[i], objects[i].labels, options));
     objects_of.push_back(&objects[i]);
   }
@@ -239,33 +282,60 @@ void complete_drive(const Evidence& evidence, std::size_t own, const RemovalOpti
   }
 }
 
+// Warns about mask files and labels that remove nothing.
+void warn_of_nothing_removed(const SearchInput& input, std::size_t index, const SharedLabels& labels, MovingObjects& moving) {
+  const auto& [evidence, options, progress] = input;
+  const CameraEvidence& camera = evidence[index];
+  for (const MaskSource source : {MaskSource::files, MaskSource::labels}) {
+    if (!camera.has(source) || !removes_nothing(camera.restricted_to({source}), labels, options)) continue;
+    const bool is_only = camera.sources.size() == 1;
+    progress.warn(camera.name + ": " + describe_nothing_removed(camera.drive, source, options) +
+                  (is_only ? describe_unmasked_motion(moving.draw_outlines_in(index), camera.drive) : ""));
+  }
+}
+
+// Returns the number after those of all objects of a drive, in all of its cameras.
+int next_object(const Evidence& evidence, std::size_t own, const Objects& objects) {
+  int next = 0;
+  for (std::size_t i = own; i < evidence.size(); ++i) {
+    if (evidence.own_camera(i) != own) continue;
+    for (const SharedLabels& labels : {objects[i].labels, objects[i].completed, objects[i].shown})
+      next = std::max(next, next_track(*labels));
+    for (const ObjectMotion& motion : objects[i].motions) next = std::max(next, motion.object + 1);
+  }
+  return next;
+}
+
+// Adds the moving objects of a drive to those of other sources, with the same numbers in all cameras of the drive.
+void add_moving(const Evidence& evidence, std::size_t own, std::vector<FrameLabels>& moving, Objects& objects) {
+  const int first = next_object(evidence, own, objects);
+  for (std::size_t i = own; i < evidence.size(); ++i) {
+    if (evidence.own_camera(i) != own || moving[i].empty()) continue;
+    FrameLabels labels = *objects[i].labels;
+    append(labels, std::move(moving[i]), first);
+    objects[i].labels = shared(std::move(labels));
+  }
+}
+
 }  // namespace
 
 Objects find_objects(const Evidence& evidence, const RemovalOptions& options, Progress& progress) {
   Objects objects;
-  MovingObjects moving(evidence, options, progress);
+  std::vector<FrameLabels> found(evidence.size());  // moving objects per camera
+  const SearchInput input{evidence, options, progress};
+  MovingObjects moving(input);
   for (std::size_t i = 0; i < evidence.size(); ++i) {
     const CameraEvidence& camera = evidence[i];
-    const Drive& drive = camera.drive;
     if (options.remove == Remove::moving && !camera.rig_of) warn_of_all_removed(camera, progress);
-    if (camera.source != MaskSource::found) {
-      objects.emplace_back(shared(select_objects(camera, options, progress)));
-      if (!camera.rig_of && camera.is_given() && removes_nothing(camera, objects.back().labels, options))
-        progress.warn(camera.name + ": " + describe_nothing_removed(camera, options) +
-                      describe_unmasked_motion(moving.draw_outlines_in(i), drive));
-      continue;
-    }
-    const std::vector<Track>& tracks = moving.of_drive(evidence.own_camera(i)).tracks;
-    if (tracks.empty() && !camera.rig_of)
-      progress.warn(camera.name + ": its scans show no moving objects, so nothing is removed");
-    SharedLabels labels = shared(moving.draw_outlines_in(i));
-    if (evidence.ground(i))
-      labels = shared(extend_in_images({evidence, i}, draw_plain_masks(camera, labels, options), labels, tracks));
-    objects.emplace_back(labels);
+    objects.emplace_back(shared(select_objects(camera, options, progress)));
+    if (!camera.rig_of) warn_of_nothing_removed(input, i, objects.back().labels, moving);
+    if (camera.has(MaskSource::found)) found[i] = moving.find_in(i);
   }
-  if (options.objects.complete)
-    for (std::size_t i = 0; i < evidence.size(); ++i)
-      if (!evidence[i].rig_of) complete_drive(evidence, i, options, moving, progress, objects);
+  for (std::size_t i = 0; i < evidence.size(); ++i) {
+    if (evidence[i].rig_of) continue;
+    if (options.objects.complete) complete_drive(input, i, moving, objects);
+    add_moving(evidence, i, found, objects);
+  }
   return objects;
 }
 

@@ -34,6 +34,14 @@ Box make_footprint(const Box& box, double margin) {
   return ground;
 }
 
+Lazy<cv::Mat1b> draw_mask_files(const Drive& drive, const MaskOptions& options) {
+  if (drive.masks.empty())
+    throw InputError(drive.path, "has no mask files", "give --masks DIR, or --masks labels if the drive has labels");
+  const int radius = options.file_dilation_px();
+  if (radius == 0) return drive.masks;
+  return {drive.masks.size(), [masks = drive.masks, radius](std::size_t i) { return grown(*masks[i], radius); }};
+}
+
 }  // namespace
 
 cv::Mat1b draw_label(const Label& label, const Camera& camera, const SE3& camera_from_lidar, const MaskOptions& options) {
@@ -55,30 +63,26 @@ cv::Mat1b draw_label(const Label& label, const Camera& camera, const SE3& camera
   return mask;
 }
 
-MaskSource choose_mask_source(const Drive& drive) {
-  if (!drive.masks.empty()) return MaskSource::files;
-  return drive.has_labels() ? MaskSource::labels : MaskSource::found;
-}
-
-Lazy<cv::Mat1b> draw_label_masks(const Drive& drive, MaskSource source, const SharedLabels& objects,
+Lazy<cv::Mat1b> draw_label_masks(const Drive& drive, const MaskSources& sources, const SharedLabels& objects,
                                  const MaskOptions& options) {
-  if (source == MaskSource::files) {
-    if (drive.masks.empty())
-      throw InputError(drive.path, "has no mask files", "give --masks DIR, or --masks labels if the drive has labels");
-    const int radius = options.file_dilation_px();
-    if (radius == 0) return drive.masks;
-    return {drive.masks.size(), [masks = drive.masks, radius](std::size_t i) { return grown(*masks[i], radius); }};
+  Lazy<cv::Mat1b> files;
+  if (sources.contains(MaskSource::files)) {
+    files = draw_mask_files(drive, options);
+    if (sources.size() == 1) return files;
   }
-  if (source == MaskSource::labels && !drive.has_labels())
+  if (sources.contains(MaskSource::labels) && !drive.has_labels())
     throw InputError(drive.path, "has no labels", "give --masks DIR or --masks FILE");
   return {drive.frames.size(),
-          [objects, source, camera = drive.camera, pose = drive.camera_from_lidar, options](std::size_t i) {
-            cv::Mat1b mask(camera.height, camera.width, uchar{0});
+          [files, objects, sources, camera = drive.camera, pose = drive.camera_from_lidar, options](std::size_t i) {
+            cv::Mat1b dilated(camera.height, camera.width, uchar{0}), exact(dilated.clone());
             for (Label label : (*objects)[i]) {
-              if (source == MaskSource::found) label.box.reset();  // the outline includes the ground
-              mask |= draw_label(label, camera, pose, options);
+              if (!sources.contains(label.source)) continue;
+              const bool is_outlined = label.source == MaskSource::found;
+              if (is_outlined) label.box.reset();  // the outline includes the ground
+              (is_outlined ? exact : dilated) |= draw_label(label, camera, pose, options);
             }
-            return source == MaskSource::found ? mask : grown(mask, options.label_dilation_px());  // outlines have a margin
+            if (!files.empty()) exact |= *files[i];
+            return cv::Mat1b(grown(dilated, options.label_dilation_px()) | exact);
           }};
 }
 

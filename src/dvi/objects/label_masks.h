@@ -1,14 +1,12 @@
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <optional>
-#include <utility>
 
 #include "dvi/core/error.h"
-#include "dvi/core/named.h"
 #include "dvi/core/options.h"
 #include "dvi/drive/drive.h"
+#include "dvi/drive/mask_source.h"
 
 namespace dvi::objects {
 
@@ -39,23 +37,12 @@ struct MaskOptions {
   int file_dilation_px() const { return static_cast<int>(dilate_px.value_or(0)); }
 };
 
-/// The source of masks. files: the drive's own mask files. labels: its labels. detected: a network that detects objects in its
-/// images. found: motion segmentation in its scans and images. reprojected: the masks of the rig's first camera
-/// (reprojected_mask.h).
-enum class MaskSource { files, labels, detected, found, reprojected };
-constexpr auto names_of(MaskSource) {
-  return std::array{std::pair{MaskSource::files, "files"}, std::pair{MaskSource::labels, "labels"},
-                    std::pair{MaskSource::detected, "detector"}, std::pair{MaskSource::found, "found"},
-                    std::pair{MaskSource::reprojected, "reprojected"}};
-}
-
-/// Returns the default source of a drive: mask files if it has any, else labels, else motion segmentation.
-MaskSource choose_mask_source(const Drive& drive);
-
-/// Draws the masks of a drive, per frame, 255 = remove. They are its mask files, dilated as the options state, or drawn from
-/// `objects` (per frame). A labeled object is drawn as its instance mask and the ground below its 3D box, else as the convex
-/// hull of its projected 3D box, else as its 2D box. Throws InputError if the drive has no data of that source.
-Lazy<cv::Mat1b> draw_label_masks(const Drive& drive, MaskSource source, const SharedLabels& objects,
+/// Draws the union of the masks of these sources, per frame of a drive, 255 = remove: its mask files, dilated as the options
+/// state, and the labels in `objects` (per frame) that are from these sources. A labeled object is drawn as its instance mask
+/// and the ground below its 3D box, else as the convex hull of its projected 3D box, else as its 2D box. Objects that were
+/// found in scans are drawn as their outlines, which have a margin and include the ground. Throws InputError if the drive has
+/// no mask files or no labels although it should.
+Lazy<cv::Mat1b> draw_label_masks(const Drive& drive, const MaskSources& sources, const SharedLabels& objects,
                                  const MaskOptions& options);
 
 /// Draws the mask of one label into an image of the camera, without dilation.

@@ -19,7 +19,7 @@ void mask_of_boxes(benchmark::State& state) {
     drive.frames[0].labels.push_back(label);
   }
   std::shared_ptr<const cv::Mat1b> mask;
-  for (auto _ : state) mask = draw_label_masks(drive, MaskSource::labels, shared(drive.labels()), {})[0];
+  for (auto _ : state) mask = draw_label_masks(drive, {MaskSource::labels}, shared(drive.labels()), {})[0];
   state.counters["masked"] = static_cast<double>(std::count(mask->begin(), mask->end(), 255));
 }
 BENCHMARK(mask_of_boxes)->Unit(benchmark::kMillisecond);

@@ -99,7 +99,7 @@ TEST(LabelMasks, UniteAndDilateTheLabelsOfAFrame) {
   a.rect = cv::Rect2d(20, 20, 10, 10);
   b.rect = cv::Rect2d(100, 20, 10, 10);
   drive.frames[1].labels = {a, b};
-  const Lazy<cv::Mat1b> masks = draw_label_masks(drive, MaskSource::labels, shared(drive.labels()), {.dilate_px = 2});
+  const Lazy<cv::Mat1b> masks = draw_label_masks(drive, {MaskSource::labels}, shared(drive.labels()), {.dilate_px = 2});
   EXPECT_EQ(cv::countNonZero(*masks[0]), 0);
   EXPECT_EQ((*masks[1])(25, 18), 255);
   EXPECT_EQ((*masks[1])(25, 17), 0);
@@ -108,9 +108,8 @@ TEST(LabelMasks, UniteAndDilateTheLabelsOfAFrame) {
 
 TEST(LabelMasks, ThrowIfTheSourceIsMissing) {
   const Drive drive = test_drive();
-  EXPECT_EQ(choose_mask_source(drive), MaskSource::found);
-  EXPECT_THROW(draw_label_masks(drive, MaskSource::labels, {}, {}), InputError);
-  EXPECT_THROW(draw_label_masks(drive, MaskSource::files, {}, {}), InputError);
+  EXPECT_THROW(draw_label_masks(drive, {MaskSource::labels}, {}, {}), InputError);
+  EXPECT_THROW(draw_label_masks(drive, {MaskSource::files}, {}, {}), InputError);
 }
 
 }  // namespace

@@ -26,23 +26,41 @@ struct ObjectPixels {
   std::size_t pixels = 0;
   bool completed = false;
   std::string type;
+  MaskSources evidence;
   std::optional<FrameResidue> residue;
 };
 
-std::size_t count_pixels(const cv::Mat1b& silhouette, const CameraEvidence& evidence, const MaskOptions& options) {
-  const bool is_dilated = evidence.source == MaskSource::labels;
-  return static_cast<std::size_t>(cv::countNonZero(is_dilated ? grown(silhouette, options.label_dilation_px()) : silhouette));
+// Returns the labels in a frame that show removed objects: those of the sources, and the parts of other objects that masks
+// show.
+std::vector<Label> collect_labels(const CameraEvidence& evidence, const CameraObjects& objects, std::size_t frame) {
+  std::vector<Label> out;
+  std::set<int> tracks;
+  for (const Label& label : (*objects.labels)[frame]) {
+    if (!evidence.has(label.source)) continue;
+    out.push_back(label);
+    tracks.insert(label.track);
+  }
+  if (!evidence.has(MaskSource::files)) return out;  // labels of other sources show their objects themselves
+  for (const Label& label : (*objects.shown)[frame]) {
+    if (tracks.contains(label.track)) continue;
+    out.push_back(label);
+    out.back().source = MaskSource::files;
+  }
+  return out;
 }
 
 std::map<int, ObjectPixels> measure_frame(const CameraEvidence& evidence, const CameraObjects& objects, std::size_t frame,
                                           const MaskOptions& options, const ReadResult& read_result) {
   std::map<int, ObjectPixels> out;
   std::map<int, cv::Mat1b> silhouettes;
+  const bool dilates_completed = evidence.has(MaskSource::labels);
   const auto add = [&](const std::vector<Label>& labels, bool completed) {
     for (const Label& label : labels) {
       if (label.track < 0) continue;
       const cv::Mat1b silhouette = draw_label(label, evidence.drive.camera, evidence.drive.camera_from_lidar, options);
-      const std::size_t pixels = count_pixels(silhouette, evidence, options);
+      const bool is_dilated = completed ? dilates_completed : label.source == MaskSource::labels;
+      const auto pixels =
+          static_cast<std::size_t>(cv::countNonZero(is_dilated ? grown(silhouette, options.label_dilation_px()) : silhouette));
       if (pixels == 0) continue;
       cv::Mat1b& whole = silhouettes[label.track];
       whole = whole.empty() ? silhouette : cv::Mat1b(whole | silhouette);
@@ -50,10 +68,10 @@ std::map<int, ObjectPixels> measure_frame(const CameraEvidence& evidence, const 
       object.pixels += pixels;
       object.completed = object.completed || completed;
       if (object.type.empty()) object.type = label.type;
+      if (!completed) object.evidence.insert(label.source);
     }
   };
-  // Mask files show objects without labels; all others have labels, which `shown` repeats.
-  add(evidence.source == MaskSource::files ? (*objects.shown)[frame] : (*objects.labels)[frame], false);
+  add(collect_labels(evidence, objects, frame), false);
   add((*objects.completed)[frame], true);
   if (out.empty() || !read_result) return out;
   if (const std::optional<ResultImages> images = read_result(frame))
@@ -63,12 +81,13 @@ std::map<int, ObjectPixels> measure_frame(const CameraEvidence& evidence, const 
 
 std::map<int, MotionState> find_motions(const CameraEvidence& evidence, const CameraObjects& objects) {
   std::map<int, MotionState> out;
-  if (evidence.source == MaskSource::labels)
+  if (evidence.has(MaskSource::labels))
     for (const TrackMotion& motion : measure_track_motions(evidence.drive, *objects.labels, evidence.world_from_lidar))
       out[motion.track] = motion.moves ? MotionState::moving : MotionState::stationary;
-  if (evidence.source == MaskSource::found)
+  if (evidence.has(MaskSource::found))
     for (const std::vector<Label>& frame : *objects.labels)
-      for (const Label& label : frame) out[label.track] = MotionState::moving;
+      for (const Label& label : frame)
+        if (label.source == MaskSource::found) out[label.track] = MotionState::moving;
   for (const ObjectMotion& motion : objects.motions) out.try_emplace(motion.object, motion.state);
   return out;
 }
@@ -145,15 +164,20 @@ std::vector<RemovedObject> list_removed_objects(const CameraEvidence& evidence, 
       RemovedObject& object = list[number];
       object.number = number;
       if (object.type.empty()) object.type = shown.type;
+      object.evidence.insert(shown.evidence.begin(), shown.evidence.end());
       object.frames.push_back(frames[i].number);
       if (shown.completed) object.completed.push_back(frames[i].number);
       object.pixels += shown.pixels;
       if (shown.residue) add_residue(*shown.residue, frames[i].number, object.residue);
     }
   const std::map<int, MotionState> motions = find_motions(evidence, objects);
+  // Masks without track numbers show the objects that are completed only.
+  const MaskSources shown_by =
+      evidence.restricted_to({MaskSource::files, MaskSource::labels, MaskSource::detected, MaskSource::reprojected}).sources;
   std::vector<RemovedObject> out;
   for (auto& [number, object] : list) {
     if (const auto motion = motions.find(number); motion != motions.end()) object.motion = motion->second;
+    if (object.evidence.empty()) object.evidence = shown_by;
     out.push_back(std::move(object));
   }
   return out;
@@ -212,12 +236,12 @@ std::vector<std::string> describe_visible(const std::vector<RemovedObject>& obje
   return out;
 }
 
-nlohmann::json objects_json(const std::vector<RemovedObject>& objects, const std::string& source) {
+nlohmann::json objects_json(const std::vector<RemovedObject>& objects) {
   nlohmann::json list = nlohmann::json::array();
   for (const RemovedObject& object : objects)
     list.push_back({{"object", object.number},
                     {"class", object.type.empty() ? nlohmann::json() : nlohmann::json(object.type)},
-                    {"evidence", source},
+                    {"evidence", to_string(object.evidence)},
                     {"motion", name_of(object.motion)},
                     {"first_frame", object.frames.front()},
                     {"last_frame", object.frames.back()},

@@ -26,6 +26,7 @@ struct RemovedObject {
   int number = -1;
   std::string type;  ///< its class, in lower case; empty if it is unknown
   MotionState motion = MotionState::unknown;
+  MaskSources evidence;                  ///< the sources that show it
   std::vector<int> frames;               ///< numbers of the frames in which it is removed, ascending
   std::vector<int> completed;            ///< those in which its masks, labels, or detections lack a part of it or all of it
   std::size_t pixels = 0;                ///< removed pixels in all frames; overlapping objects count for each
@@ -56,7 +57,7 @@ std::vector<std::string> describe_incomplete(const ObjectCounts& counts, const s
 /// Describes objects that the result still shows, one sentence each: the largest ones, and the number of others.
 std::vector<std::string> describe_visible(const std::vector<RemovedObject>& objects);
 
-/// Writes objects as objects.json lists them. `source` is where the evidence is from.
-nlohmann::json objects_json(const std::vector<RemovedObject>& objects, const std::string& source);
+/// Writes objects as objects.json lists them.
+nlohmann::json objects_json(const std::vector<RemovedObject>& objects);
 
 }  // namespace dvi::objects

@@ -48,7 +48,7 @@ struct Scene {
     objects.motions = {{7, MotionState::stationary}};
   }
   std::vector<RemovedObject> list(MaskSource source, const ReadResult& read_result = {}) const {
-    return list_removed_objects({drive, poses, "drive", source}, objects, {}, read_result);
+    return list_removed_objects({drive, poses, "drive", {source}}, objects, {}, read_result);
   }
 };
 
@@ -77,7 +77,7 @@ TEST(RemovedObjects, ListTheFramesInWhichTheyWereCompleted) {
   EXPECT_THAT(list[0].completed, ElementsAre(10, 11, 13));
   EXPECT_EQ(list[0].pixels, 5 * 200U);
   EXPECT_THAT(list[1].completed, IsEmpty());
-  const nlohmann::json json = objects_json(list, "files");
+  const nlohmann::json json = objects_json(list);
   EXPECT_EQ(json["objects"][0]["motion"], "static");
   EXPECT_EQ(json["objects"][0]["completed_frames"], nlohmann::json({10, 11, 13}));
   EXPECT_TRUE(json["objects"][1]["class"].is_null());
@@ -108,7 +108,7 @@ TEST(RemovedObjects, ListTheFramesThatStillShowThem) {
   EXPECT_THAT(describe_visible(list),
               ElementsAre("object 7 (car) remains visible in frames 10-11, 13: its pixels in other frames were used as sources",
                           "object 9 remains visible in frames 10-11, 13: its pixels in other frames were used as sources"));
-  const nlohmann::json json = objects_json(list, "files");
+  const nlohmann::json json = objects_json(list);
   EXPECT_EQ(json["objects"][0]["residue"]["visible_frames"], nlohmann::json({10, 11, 13}));
   EXPECT_EQ(json["objects"][0]["residue"]["highest_score_frame"], 10);
 }
@@ -119,7 +119,7 @@ TEST(RemovedObjects, InSingleFramesAreNotNamed) {
   EXPECT_THAT(list[0].residue->frames, ElementsAre(10, 12));
   EXPECT_EQ(count_objects(list).visible, 0U);
   EXPECT_THAT(describe_visible(list), IsEmpty());
-  EXPECT_EQ(objects_json(list, "files")["objects"][0]["residue"]["remains_visible"], false);
+  EXPECT_EQ(objects_json(list)["objects"][0]["residue"]["remains_visible"], false);
 }
 
 TEST(RemovedObjects, OfACorrectResultAreNotVisible) {
@@ -127,8 +127,8 @@ TEST(RemovedObjects, OfACorrectResultAreNotVisible) {
   ASSERT_TRUE(list[0].residue);
   EXPECT_LT(list[0].residue->highest_score, 0.1);
   EXPECT_THAT(describe_visible(list), IsEmpty());
-  EXPECT_EQ(objects_json(list, "files")["objects"][0]["residue"]["visible_frames"], nlohmann::json::array());
-  EXPECT_TRUE(objects_json(Scene().list(MaskSource::files), "files")["objects"][0]["residue"].is_null()) << "not measured";
+  EXPECT_EQ(objects_json(list)["objects"][0]["residue"]["visible_frames"], nlohmann::json::array());
+  EXPECT_TRUE(objects_json(Scene().list(MaskSource::files))["objects"][0]["residue"].is_null()) << "not measured";
 }
 
 TEST(RemovedObjects, ThatAreNotMaskedRemainVisible) {
@@ -159,12 +159,34 @@ TEST(RemovedObjects, OfLabelsAreThoseOfTheLabels) {
   FrameLabels labels(5);
   labels[1].push_back(outline(3, {5, 5, 10, 10}));
   labels[3].push_back(outline(-1, {5, 5, 10, 10}));
+  for (std::vector<Label>& frame : labels)
+    for (Label& label : frame) label.source = MaskSource::found;
   scene.objects = CameraObjects(shared(labels));
   const std::vector<RemovedObject> list = scene.list(MaskSource::found);
   ASSERT_EQ(list.size(), 1U) << "a label without a track belongs to no object";
   EXPECT_EQ(list[0].number, 3);
   EXPECT_EQ(list[0].motion, MotionState::moving);
   EXPECT_THAT(list[0].frames, ElementsAre(11));
+}
+
+TEST(RemovedObjects, StateTheSourcesThatShowThem) {
+  Scene scene;
+  FrameLabels labels(5);
+  labels[0].push_back(outline(7, {10, 10, 20, 10}));
+  labels[1].push_back(outline(12, {5, 5, 10, 10}));
+  labels[1].back().source = MaskSource::found;
+  labels[2].push_back(outline(13, {5, 5, 10, 10}));
+  labels[2].back().source = MaskSource::detected;
+  scene.objects.labels = shared(labels);
+  const MaskSources sources{MaskSource::files, MaskSource::labels, MaskSource::found};
+  const nlohmann::json json =
+      objects_json(list_removed_objects({scene.drive, scene.poses, "drive", sources}, scene.objects, {}))["objects"];
+  ASSERT_EQ(json.size(), 3U) << "the detector is not a source";
+  EXPECT_EQ(json[0]["evidence"], "files, labels");
+  EXPECT_EQ(json[1]["evidence"], "files");
+  EXPECT_EQ(json[2]["object"], 12);
+  EXPECT_EQ(json[2]["evidence"], "found");
+  EXPECT_EQ(json[2]["motion"], "moving");
 }
 
 }  // namespace

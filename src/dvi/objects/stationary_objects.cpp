@@ -18,7 +18,7 @@ void to_json(nlohmann::json& json, const StationaryObjects& objects) {
 }
 
 std::optional<StationaryObjects> count_stationary(const CameraEvidence& evidence, const RemovalOptions& options) {
-  if (evidence.source != MaskSource::labels || options.remove == Remove::moving) return std::nullopt;
+  if (!evidence.has(MaskSource::labels) || options.remove == Remove::moving) return std::nullopt;
   const Drive& drive = evidence.drive;
   StationaryObjects out{.stationary = find_stationary_tracks(drive, evidence.world_from_lidar).size()};
   if (out.stationary == 0) return std::nullopt;

@@ -34,7 +34,7 @@ Drive make_parked_and_moving() {
 }
 
 CameraEvidence evidence_of(const Drive& drive, const Trajectory& world_from_lidar) {
-  return {.drive = drive, .world_from_lidar = world_from_lidar, .name = "drive", .source = MaskSource::labels};
+  return {.drive = drive, .world_from_lidar = world_from_lidar, .name = "drive", .sources = {MaskSource::labels}};
 }
 
 TEST(StationaryObjects, CountThePixelsThatRemoveMovingWouldKeep) {
@@ -47,7 +47,7 @@ TEST(StationaryObjects, CountThePixelsThatRemoveMovingWouldKeep) {
   std::size_t parked = 0;
   Drive only = make_parked_and_moving();
   for (Frame& frame : only.frames) frame.labels.pop_back();
-  const Lazy<cv::Mat1b> masks = draw_label_masks(only, MaskSource::labels, shared(only.labels()), options.masks);
+  const Lazy<cv::Mat1b> masks = draw_label_masks(only, {MaskSource::labels}, shared(only.labels()), options.masks);
   for (std::size_t i = 0; i < masks.size(); ++i) parked += static_cast<std::size_t>(cv::countNonZero(*masks[i]));
   EXPECT_GT(parked, 0U);
   EXPECT_EQ(found->pixels, parked);
@@ -59,10 +59,10 @@ TEST(StationaryObjects, AreNotCountedWithoutPosesOrLabelsOrIfTheyRemain) {
   CameraEvidence evidence = evidence_of(drive, drive.poses);
   EXPECT_FALSE(count_stationary(evidence_of(drive, none), {})) << "no poses";
   EXPECT_FALSE(count_stationary(evidence, {.remove = Remove::moving, .masks = {}, .objects = {}})) << "they remain";
-  evidence.source = MaskSource::files;
+  evidence.sources = {MaskSource::files};
   drive.masks = {10, [](std::size_t) { return cv::Mat1b(100, 200, uchar{255}); }};
   EXPECT_FALSE(count_stationary(evidence, {})) << "mask files do not show the motion state";
-  evidence.source.reset();
+  evidence.sources.clear();
   EXPECT_FALSE(count_stationary(evidence, {})) << "nothing is removed";
 }
 

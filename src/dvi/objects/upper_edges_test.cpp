@@ -37,7 +37,7 @@ struct TruckStreet {
     const ground::ScanGround ground(drive, drive.poses);
     MovingReturns returns(drive, {drive.poses}, ground);
     tracks = segment_motion(returns, [] {}).tracks;
-    find_upper_edges({drive, drive.poses, "street", MaskSource::found}, returns, tracks);
+    find_upper_edges({drive, drive.poses, "street", {MaskSource::found}}, returns, tracks);
   }
 
   // Returns the track of the truck, which is the widest object.

@@ -44,7 +44,7 @@ std::string stages_fingerprint_of(job::Job job, const std::string& content) {
   job.target.clear();
   job.sources.clear();
   job.read.frames.clear();
-  job.read.masks.path.clear();
+  for (job::MasksFrom& from : job.read.masks) from.path.clear();
   job.read.detector.clear();
   job.read.ego_mask.clear();
   job.read.poses.file.clear();

@@ -101,7 +101,8 @@ nlohmann::json objects_summary(const std::vector<objects::RemovedObject>& remove
 std::vector<fs::path> list_inputs(const job::Job& job) {
   std::vector<fs::path> inputs{job.target};
   inputs.insert(inputs.end(), job.sources.begin(), job.sources.end());
-  if (job.read.masks.kind == job::MasksFrom::Kind::path) inputs.emplace_back(job.read.masks.path);
+  for (const job::MasksFrom& from : job.read.masks)
+    if (from.kind == job::MasksFrom::Kind::path) inputs.emplace_back(from.path);
   if (!job.read.detector.empty()) inputs.emplace_back(job.read.detector);
   if (!job.read.ego_mask.empty()) inputs.emplace_back(job.read.ego_mask);
   if (job.read.poses.kind == job::PosesFrom::Kind::file) inputs.emplace_back(job.read.poses.file);
@@ -349,7 +350,7 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
   const objects::CameraEvidence evidence = inputs::evidence_of(drives_.front(), results.poses.front().world_from_lidar);
   const auto removed = objects::list_removed_objects(evidence, results.objects, job_.options.masks,
                                                      make_result_reader(out_, target, results.views));
-  write_file(out_ / "objects.json", json_text(objects::objects_json(removed, inputs::mask_source(drives_.front()))) + "\n");
+  write_file(out_ / "objects.json", json_text(objects::objects_json(removed)) + "\n");
   if (results.map != nullptr) {
     write_map_files(out_ / "map",
                     {*results.map, results.views, target,

@@ -166,6 +166,7 @@ json drives_json(const inputs::Recordings& drives, const inputs::Poses& poses, c
                    {"camera", drive.camera_name},
                    {"frames", drive.frames.size()},
                    {"scans", drive.scan_headers.size()},
+                   {"masks", inputs::mask_source(drives[i])},
                    {"poses", poses_json(drive, poses[i].choice)},
                    {"place", place ? place_json(*place) : json()},
                    {"registration", registration_json(drive, poses[i])},

@@ -54,7 +54,7 @@ Completed complete(Drive& drive, const FrameLabels& labels, const RemovalOptions
   for (std::size_t i = 0; i < labels.size(); ++i) drive.frames[i].labels = labels[i];
   drive.labeled = true;
   Progress progress(ProgressStyle::quiet);
-  const Objects objects = find_objects(Evidence({{drive, drive.poses, "drive", MaskSource::labels}}), options, progress);
+  const Objects objects = find_objects(Evidence({{drive, drive.poses, "drive", {MaskSource::labels}}}), options, progress);
   Completed out;
   for (const std::vector<Label>& frame : *objects[0].completed) {
     out.masks.push_back(draw_instances(frame, {drive.camera.width, drive.camera.height}));

@@ -198,11 +198,11 @@ TEST(Completion, IsAnOptionAndNeedsPoses) {
   const FrameMasks truth = draw_objects(situation, situation.movers);
   Drive drive = situation.drive();
   drive.masks = to_sequence(drop(truth, {6, 7}));
-  const Evidence evidence({{drive, drive.poses, "drive", MaskSource::files}});
+  const Evidence evidence({{drive, drive.poses, "drive", {MaskSource::files}}});
   RemovalOptions options;
   EXPECT_GE(compute_coverage(draw_completed(evidence, options, 0), truth, {6, 7}), 0.97);
   const Trajectory none;
-  EXPECT_EQ(count_pixels(draw_completed(Evidence({{drive, none, "drive", MaskSource::files}}), options, 0)), 0);
+  EXPECT_EQ(count_pixels(draw_completed(Evidence({{drive, none, "drive", {MaskSource::files}}}), options, 0)), 0);
   options.objects.complete = false;
   EXPECT_EQ(count_pixels(draw_completed(evidence, options, 0)), 0);
 }
@@ -215,8 +215,8 @@ TEST(Completion, CoversObjectsInASecondCameraWithoutMasks) {
   second.camera = {160, 96, 120, 120, 79.5, 40, {}};  // the same view at half the resolution
   second.masks = to_sequence(FrameMasks(truth.size(), cv::Mat1b(96, 160, uchar{0})));
   const Evidence evidence(
-      {{drive, drive.poses, "drive", MaskSource::files},
-       {.drive = second, .world_from_lidar = drive.poses, .name = "second", .source = MaskSource::files, .rig_of = 0}});
+      {{drive, drive.poses, "drive", {MaskSource::files}},
+       {.drive = second, .world_from_lidar = drive.poses, .name = "second", .sources = {MaskSource::files}, .rig_of = 0}});
   FrameMasks truth_in_second(truth.size());
   Frames all;
   for (std::size_t i = 0; i < truth.size(); ++i) {
@@ -244,7 +244,7 @@ TEST(Completion, CoversALabeledParkedCarBeforeItsFirstLabelUnlessItIsHidden) {
     drive.frames[i].labels = {label};
   }
   drive.labeled = true;
-  const FrameMasks drawn = draw_completed(Evidence({{drive, drive.poses, "drive", MaskSource::labels}}), {}, 0);
+  const FrameMasks drawn = draw_completed(Evidence({{drive, drive.poses, "drive", {MaskSource::labels}}}), {}, 0);
   for (std::size_t i = 0; i < drawn.size(); ++i) {
     if (i < kPasses || i >= kFirstLabel)
       EXPECT_EQ(cv::countNonZero(drawn[i]), 0) << "frame " << i;

@@ -28,7 +28,7 @@ struct MaskedDrive {
 
   MaskedDrive(Drive recorded, std::vector<cv::Mat1b> frame_masks, FrameLabels frame_labels = {})
       : drive(std::move(recorded)),
-        evidence{drive, drive.poses, "drive", MaskSource::files},
+        evidence{drive, drive.poses, "drive", {MaskSource::files}},
         masks(make_masks(drive, std::move(frame_masks))),
         labels(make_labels(drive, std::move(frame_labels))),
         ground(drive, drive.poses),

@@ -50,7 +50,7 @@ struct MaskedImage {
   }
 
   std::vector<MaskVote> vote(const Points& points, std::int64_t time_ns = 0) const {
-    const CameraEvidence evidence{drive, drive.poses, "drive", MaskSource::files};
+    const CameraEvidence evidence{drive, drive.poses, "drive", {MaskSource::files}};
     const Lazy<cv::Mat1b> masks(2, [this](std::size_t) { return mask; });
     ObstacleReturns returns;
     returns.points = points;
@@ -195,7 +195,7 @@ TEST(MaskedReturns, AreUnseenWithoutAFrameNearTheScan) {
   EXPECT_EQ(count_votes(image.vote(kMaskedCar, -100'000'000), MaskVote::object), count_points(kMaskedCar));
   EXPECT_EQ(count_votes(image.vote(kMaskedCar, -100'000'001), MaskVote::unseen), count_points(kMaskedCar));
   image.drive.poses = Trajectory();
-  const CameraEvidence evidence{image.drive, image.drive.poses, "drive", MaskSource::files};
+  const CameraEvidence evidence{image.drive, image.drive.poses, "drive", {MaskSource::files}};
   const Lazy<cv::Mat1b> masks(2, [&](std::size_t) { return image.mask; });
   ObstacleReturns returns;
   returns.points = kMaskedCar;
@@ -209,7 +209,7 @@ TEST(MaskedReturns, AreObjectsIfOneOfTwoCamerasMasksThem) {
   const Drive drive = PlainDrive(2, 0).drive;
   MaskedImage image;
   image.add_mask(kMaskedCar, 1);
-  const CameraEvidence evidence{drive, drive.poses, "drive", MaskSource::files};
+  const CameraEvidence evidence{drive, drive.poses, "drive", {MaskSource::files}};
   const Lazy<cv::Mat1b> masks(2, [&](std::size_t) { return image.mask; }),
       empty(2, [&](std::size_t) { return cv::Mat1b(image.mask.size(), uchar{0}); });
   const SharedLabels none = shared(FrameLabels(2));
