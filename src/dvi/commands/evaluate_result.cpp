@@ -28,9 +28,9 @@ using SceneOrReason = std::variant<metrics::GhostScene, std::string>;
 // Determines how the drive of a run is read for its labels.
 job::ReadChoice choose_labels(job::ReadChoice choice, const fs::path& labels) {
   using Kind = job::MasksFrom::Kind;
-  const bool reads_mask_folder =
-      choice.masks.kind == Kind::path && fs::is_directory(choice.masks.path) && !labels::is_label_folder(choice.masks.path);
-  if (!labels.empty() || choice.masks.kind == Kind::found || reads_mask_folder) {
+  const bool reads_masks = choice.masks.kind == Kind::path && fs::exists(choice.masks.path) &&
+                           !labels::holds_labels(choice.masks.path, choice.camera);
+  if (!labels.empty() || choice.masks.kind == Kind::found || reads_masks) {
     choice.masks = labels.empty() ? job::MasksFrom{} : job::MasksFrom{Kind::path, labels.string()};
     choice.mask_files.classes.clear();
   }

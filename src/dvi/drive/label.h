@@ -26,6 +26,7 @@ struct Label {
   std::optional<Box> box;          ///< in LiDAR axes, at the time of the image
   std::optional<cv::Rect2d> rect;  ///< in the image
   std::optional<Instance> instance;
+  int class_number = -1;  ///< the number of the class in the label file, by which --classes can select it
 };
 
 /// The labels of each frame of a drive.

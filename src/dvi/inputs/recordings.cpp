@@ -60,12 +60,12 @@ std::optional<objects::MaskSource> resolve_masks(Drive& drive, const job::MasksF
     if (!drive.has_labels()) throw InputError(drive.path, "has no labels", "give --masks DIR or --masks FILE");
     return objects::MaskSource::labels;
   }
-  if (fs::is_directory(from.path) && !labels::is_label_folder(from.path)) {
+  if (!fs::exists(from.path))
+    throw InputError(from.path, "does not exist", "--masks takes a folder, a file, labels, found or auto");
+  if (!labels::holds_labels(from.path, drive.camera_name)) {
     labels::attach_masks(drive, from.path);
     return objects::MaskSource::files;
   }
-  if (!fs::exists(from.path))
-    throw InputError(from.path, "does not exist", "--masks takes a folder, a file, labels, found or auto");
   replace_labels(drive, from.path);
   return objects::MaskSource::labels;
 }

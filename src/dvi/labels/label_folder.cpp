@@ -1,0 +1,48 @@
+#include "dvi/labels/label_folder.h"
+
+#include "dvi/labels/mask_folder.h"
+
+namespace dvi::labels {
+namespace {
+
+// Lists the folders that may hold a camera's labels, the most specific first.
+std::vector<fs::path> list_candidates(const fs::path& given, const std::string& camera) {
+  std::vector<fs::path> folders;
+  for (const char* part : {"labels", "mask_data", "masks"}) folders.push_back(given / part / camera);
+  folders.push_back(given / camera / "labels");
+  folders.push_back(given / camera / "mask_data");
+  folders.push_back(given / camera);
+  for (const char* part : {"labels", "mask_data"}) folders.push_back(given / part);
+  folders.push_back(given);
+  return folders;
+}
+
+}  // namespace
+
+std::optional<LabelFolder> find_label_texts(const fs::path& folder, const std::string& ending,
+                                            bool (*recognize)(std::string_view text)) {
+  const std::vector<fs::path> files = list_files(folder, {ending});
+  if (files.empty() || !recognize(label_text(read_file(files.front())))) return std::nullopt;
+  return LabelFolder{folder, files, {}};
+}
+
+const std::vector<LabelFolderFormat>& label_folder_formats() {
+  static const std::vector<LabelFolderFormat> formats = {
+      {"LabelMe JSON", [](const fs::path& folder) { return find_label_texts(folder, ".json", is_labelme); },
+       [](const LabelFolder& labels, const Drive& drive) { return read_labelme(labels.folder, labels.files, drive); }},
+      {"Grounded-SAM-2", find_named_arrays, read_named_arrays},
+      {"YOLO labels", find_yolo, read_yolo},
+  };
+  return formats;
+}
+
+std::optional<FoundLabelFolder> find_label_folder(const fs::path& given, const std::string& camera) {
+  for (const fs::path& folder : list_candidates(given, camera)) {
+    if (!fs::is_directory(folder)) continue;
+    for (const LabelFolderFormat& format : label_folder_formats())
+      if (auto labels = format.find(folder)) return FoundLabelFolder{std::move(*labels), &format};
+  }
+  return std::nullopt;
+}
+
+}  // namespace dvi::labels
