@@ -11,6 +11,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/drive/nearest_in_time.h"
+#include "dvi/labels/label_folder.h"
 #include "dvi/labels/mask_folder.h"
 #include "dvi/labels/mask_reading.h"
 #include "dvi/media/image_file.h"
@@ -114,11 +115,12 @@ Recording open_camera(const Recordings& drives, std::size_t number, const std::s
     return std::find(own.drive.warnings.begin(), own.drive.warnings.end(), warning) != own.drive.warnings.end();
   });
   open.rig_of = number;
-  open.masks_from = choose_mask_source(drive, own, choice);
+  const bool is_path = !choice.is_source && choice.masks.kind == job::MasksFrom::Kind::path;
+  const bool has_given_labels = is_path && own.masks_from && labels::attach_camera_labels(drive, choice.masks.path);
+  open.masks_from = has_given_labels ? objects::MaskSource::labels : choose_mask_source(drive, own, choice);
   // A recording may label each camera's images at their own times. A label file given by the user is for the own camera only.
   const bool labeled = std::any_of(drive.frames.begin(), drive.frames.end(), [](const Frame& f) { return !f.labels.empty(); });
-  const bool has_own_labels =
-      labeled && drive.labeled_around && (choice.is_source || choice.masks.kind != job::MasksFrom::Kind::path);
+  const bool has_own_labels = has_given_labels || (labeled && drive.labeled_around && !is_path);
   if (open.masks_from == objects::MaskSource::labels && !has_own_labels) {
     share_boxes(own.drive, drive);
     open.labeled_in_part = !drive.labeled_around;

@@ -1,5 +1,7 @@
 #include "dvi/labels/label_folder.h"
 
+#include <algorithm>
+
 #include "dvi/labels/mask_folder.h"
 
 namespace dvi::labels {
@@ -43,6 +45,20 @@ std::optional<FoundLabelFolder> find_label_folder(const fs::path& given, const s
       if (auto labels = format.find(folder)) return FoundLabelFolder{std::move(*labels), &format};
   }
   return std::nullopt;
+}
+
+bool attach_camera_labels(Drive& drive, const fs::path& given) {
+  const auto found = find_label_folder(given, drive.camera_name);
+  if (!found) return false;
+  const fs::path inner = found->labels.folder.lexically_relative(given);
+  if (std::find(inner.begin(), inner.end(), fs::path(drive.camera_name)) == inner.end()) return false;
+  const FileLabels read = read_labels(given, drive);
+  for (std::size_t i = 0; i < read.frames.size(); ++i) drive.frames[i].labels = read.frames[i];
+  drive.warnings.insert(drive.warnings.end(), read.warnings.begin(), read.warnings.end());
+  drive.other_files.insert(drive.other_files.end(), read.files.begin(), read.files.end());
+  drive.labeled = true;
+  drive.labeled_around = false;
+  return true;
 }
 
 }  // namespace dvi::labels

@@ -38,6 +38,10 @@ struct FoundLabelFolder {
 /// mask_data/), labels/ and mask_data/, the folder itself. Returns nothing if none of them has files of such a format.
 std::optional<FoundLabelFolder> find_label_folder(const fs::path& given, const std::string& camera);
 
+/// Adds the labels of a camera to the frames of its drive if the folder has them in a folder of the camera's name. Returns
+/// whether it has.
+bool attach_camera_labels(Drive& drive, const fs::path& given);
+
 /// Returns the files with an ending of which the first is recognized by its text.
 std::optional<LabelFolder> find_label_texts(const fs::path& folder, const std::string& ending,
                                             bool (*recognize)(std::string_view text));

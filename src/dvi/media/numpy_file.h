@@ -13,7 +13,7 @@ bool is_numpy(const fs::path& file);
 
 /// Reads a NumPy array (.npy, format 1 to 3) of height x width, with or without a dimension of 1 before or after them: bool
 /// (255 = true), integers of 1 to 8 bytes, or float with whole numbers. Negative numbers become 0. Returns one channel of 8
-/// bits, or of 16 bits if a number is above 255. Throws InputError if the array is of another size, kind, or order, is
+/// bits, or of 16 bits if a number is above 255. Throws InputError if the array differs in size, has another kind or order, is
 /// truncated, or has numbers above 65535.
 cv::Mat read_numpy(const fs::path& file, cv::Size size);
 
