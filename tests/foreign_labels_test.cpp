@@ -120,7 +120,6 @@ TEST_F(ForeignLabels, CocoWithoutInstances) {
   drive_of({"a"}, {10, 5});
   expect_refused(coco + "coco_labels/annotations/labels_train.json", "neither a segmentation nor a bbox", "docs/masks.md");
   expect_refused(coco + "coco_captions/annotations/captions_train.json", "holds COCO captions", "instances");
-  expect_refused(coco + "coco_panoptic/annotations/panoptic_train.json", "holds COCO panoptic JSON", "convert it to instances");
   expect_refused(coco + "coco_instances/annotations/instances_val.json", "no image of the drive: its first image is b.jpg",
                  "same name");
   const Masked none = mask(coco + "coco_image_info/annotations/image_info_train.json");
@@ -143,11 +142,28 @@ TEST_F(ForeignLabels, Cvat) {
                  "n-th");
 }
 
+TEST_F(ForeignLabels, CocoPanoptic) {
+  const std::string panoptic = "coco_dataset/coco_panoptic/annotations/";
+  drive_of({"a"}, {5, 5});
+  expect_masked(panoptic + "panoptic_train.json", {25});  // converters mark all categories as stuff
+  drive_of({"b"}, {5, 10});
+  expect_masked(panoptic + "panoptic_val.json", {40});
+  expect_masked(panoptic + "panoptic_val.json", {20}, "2");
+}
+
+TEST_F(ForeignLabels, Yolo) {
+  drive_of({"1"}, {15, 10});
+  // Boxes of 4 x 2 from (0, 2) and of 2 x 3 from (3, 3), which share one pixel.
+  for (const char* yolo : {"yolo_dataset/strict/obj_train_data", "yolo_dataset/annotations/Annotations",
+                           "yolo_dataset/labels/labels/train", "yolo_dataset/labels/labels/val"}) {
+    expect_masked(yolo, {13});
+    expect_masked(yolo, {8}, "2");
+  }
+}
+
 TEST_F(ForeignLabels, FormatsThatAreNotRead) {
   drive_of({"1"}, {15, 10});
-  for (const char* yolo : {"yolo_dataset/strict/obj_train_data", "yolo_dataset/strict/obj_train_data/1.txt",
-                           "yolo_dataset/annotations/Annotations", "yolo_dataset/labels/labels/val/1.txt"})
-    expect_refused(yolo, "holds YOLO labels", "COCO");
+  expect_refused("yolo_dataset/strict/obj_train_data/1.txt", "holds YOLO labels of one image", "give the folder");
   for (const char* kitti :
        {"kitti_dataset/kitti_3d/training/label_2", "kitti_dataset/kitti_detection/training/label_2/000030_10.txt"})
     expect_refused(kitti, "holds KITTI object labels", "tracking labels");

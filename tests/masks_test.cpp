@@ -114,6 +114,26 @@ TEST_F(MasksOfDrives, RunReadsTheMasksOfMask) {
   EXPECT_EQ(::dvi::contents(folder / "found/masks"), ::dvi::contents(folder / "given/masks"));
 }
 
+TEST_F(MasksOfDrives, PolygonsOfMaskAreItsMasks) {
+  small_drive();
+  for (const char* given : {"--masks labels", "--masks drive/masks/front"}) {
+    fs::remove_all(folder / "masks");
+    ASSERT_EQ(dvi(std::string("mask drive -o masks --poses given --quiet ") + given).code, 0);
+    for (const char* file : {"masks/coco.json", "masks/annotations.xml"}) {
+      fs::remove_all(folder / "back");
+      const Result back = dvi(std::string("mask drive -o back --poses given --quiet --set masks.dilate_px=0 --set "
+                                          "masks.shadows=false --set objects.complete=false --masks ") +
+                              file);
+      ASSERT_EQ(back.code, 0) << back.err;
+      for (const auto& entry : fs::directory_iterator(folder / "masks/masks/front")) {
+        const cv::Mat1b mask = media::read_mask(entry.path(), kSize);
+        const cv::Mat1b read = media::read_mask(folder / "back/masks/front" / entry.path().filename(), kSize);
+        EXPECT_GE(cv::countNonZero(mask & read), 0.99 * cv::countNonZero(mask | read)) << file << " " << entry.path();
+      }
+    }
+  }
+}
+
 TEST_F(MasksOfDrives, MotionSegmentationCoversMovingObjects) {
   const fs::path truth = small_drive("labeled", "", 12) / "masks/front";
   unlabeled("drive");

@@ -18,7 +18,8 @@ void add_mask(Program& program) {
   const auto a = std::make_shared<Arguments>();
   Command command = program.command("mask", "What would be removed from a drive: masks to look at and to correct");
   command.positional("DRIVE", a->drive, "The drive");
-  command.option("-o,--out", a->out, "Folder for masks/CAMERA/NAME.png, contact.png, masks.json", true);
+  command.option("-o,--out", a->out, "Folder for masks/CAMERA/NAME.png, contact.png, masks.json, coco.json, annotations.xml",
+                 true);
   a->options.add_to(command);
   a->common.add_to(command, true);
   command.examples({"dvi mask DRIVE -o MASKS                      look at MASKS/contact.png, correct, then",
@@ -31,7 +32,7 @@ void add_mask(Program& program) {
     if (a->common.json)
       fmt::print("{}\n", report);
     else
-      fmt::print("{0}/contact.png  the masks on the frames\n{0}/masks        one PNG a frame: dvi run --masks {0}\n", a->out);
+      fmt::print("{0}/contact.png  the masks on the frames\n{0}/masks        one PNG per frame: dvi run --masks {0}\n", a->out);
   });
 }
 

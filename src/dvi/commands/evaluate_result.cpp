@@ -29,9 +29,9 @@ using SceneOrReason = std::variant<metrics::GhostScene, std::string>;
 job::ReadChoice choose_labels(job::ReadChoice choice, const fs::path& labels) {
   const std::vector<job::MasksFrom> given = choice.masks;
   using Kind = job::MasksFrom::Kind;
-  const auto has_no_labels = [](const job::MasksFrom& from) {
-    const bool is_mask_folder = from.kind == Kind::path && fs::is_directory(from.path) && !labels::is_label_folder(from.path);
-    return from.kind == Kind::found || from.kind == Kind::none || is_mask_folder;
+  const auto has_no_labels = [&](const job::MasksFrom& from) {
+    const bool has_masks = from.kind == Kind::path && fs::exists(from.path) && !labels::holds_labels(from.path, choice.camera);
+    return from.kind == Kind::found || from.kind == Kind::none || has_masks;
   };
   if (!labels.empty())
     choice.masks = {job::MasksFrom{Kind::path, labels.string()}};

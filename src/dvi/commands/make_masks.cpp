@@ -8,10 +8,12 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
+#include "dvi/commands/outline_masks.h"
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/inputs/collect_evidence.h"
 #include "dvi/labels/mask_folder.h"
+#include "dvi/labels/write_labels.h"
 #include "dvi/media/contact_sheet.h"
 #include "dvi/media/write_image.h"
 #include "dvi/objects/motion.h"
@@ -126,6 +128,9 @@ std::string make_masks(const job::Job& job, Progress& progress) {
                                       {"tracks", tracks_json(open, *found.objects.labels, poses.front().world_from_lidar)},
                                       {"frames", frames}});
   write_file(out / "masks.json", text + "\n");
+  const labels::DrawnLabels drawn = outline_masks(drive, found);
+  labels::write_coco(out / "coco.json", drawn);
+  labels::write_cvat(out / "annotations.xml", drawn);
   progress.end();
   return text;
 }

@@ -9,8 +9,8 @@
 namespace dvi::commands {
 
 /// Runs `dvi mask`: finds the objects that a run removes from job.target, and writes job.out/masks/CAMERA/NAME.png, which
-/// `--masks` reads, contact.png, and masks.json. Returns masks.json. Throws InputError if job.out is not empty, or is,
-/// contains, or is inside of an input.
+/// `--masks` reads, contact.png, masks.json, and the masks as polygons in coco.json and annotations.xml (CVAT). Returns
+/// masks.json. Throws InputError if job.out is not empty, or is, contains, or is inside of an input.
 std::string make_masks(const job::Job& job, Progress& progress);
 
 }  // namespace dvi::commands

@@ -88,6 +88,8 @@ struct Drive {
   std::vector<std::filesystem::path> other_files;
   /// One mask file per frame, an empty path for a frame without one; empty if the drive has none.
   std::vector<std::filesystem::path> mask_files;
+  /// The video whose frames are the masks; empty if there is none.
+  std::filesystem::path mask_video;
   /// Warnings about gaps that do not prevent a run.
   std::vector<std::string> warnings;
 

@@ -23,7 +23,7 @@ struct NamedSources {
   bool files = false;                   // the drive's own mask files
   bool labels = false;                  // the drive's own labels
   bool found = false;                   // moving objects
-  std::vector<job::MasksFrom> folders;  // of mask files
+  std::vector<job::MasksFrom> folders;  // of mask files, or videos of masks
   std::vector<fs::path> label_files;    // or folders of label files
 };
 
@@ -36,11 +36,10 @@ void name_automatic(const Drive& drive, MaskNeed need, NamedSources& out) {
     out.found |= need != MaskNeed::optional && !drive.scan_headers.empty();
 }
 
-void name_path(const job::MasksFrom& from, NamedSources& out) {
-  const bool is_folder = fs::is_directory(from.path);
-  if (!is_folder && !fs::exists(from.path))
+void name_path(const Drive& drive, const job::MasksFrom& from, NamedSources& out) {
+  if (!fs::exists(from.path))
     throw InputError(from.path, "does not exist", "--masks takes a folder, a file, labels, found, auto or none");
-  if (is_folder && !labels::is_label_folder(from.path)) {
+  if (!labels::holds_labels(from.path, drive.camera_name)) {
     const auto same = std::find_if(out.folders.begin(), out.folders.end(), [&](const auto& o) { return o.path == from.path; });
     if (same == out.folders.end())
       out.folders.push_back(from);
@@ -49,7 +48,7 @@ void name_path(const job::MasksFrom& from, NamedSources& out) {
     return;
   }
   if (from.polarity != labels::Polarity::automatic)
-    throw UsageError("--masks " + to_string(from) + ": only folders of mask files have a polarity");
+    throw UsageError("--masks " + to_string(from) + ": only mask files have a polarity");
   if (std::find(out.label_files.begin(), out.label_files.end(), from.path) == out.label_files.end())
     out.label_files.emplace_back(from.path);
 }
@@ -58,7 +57,7 @@ NamedSources name_sources(const Drive& drive, const job::ReadChoice& choice, Mas
   NamedSources out;
   for (const job::MasksFrom& from : choice.masks) {
     if (from.kind == Kind::automatic) name_automatic(drive, need, out);
-    if (from.kind == Kind::path) name_path(from, out);
+    if (from.kind == Kind::path) name_path(drive, from, out);
     if (from.kind == Kind::labels && !drive.has_labels())
       throw InputError(drive.path, "has no labels", "give --masks DIR or --masks FILE");
     out.labels |= from.kind == Kind::labels;
@@ -126,10 +125,8 @@ void select_classes(Drive& drive, const MaskSources& sources, const job::ReadCho
   if (has_labels && (classes.empty() || choice.is_source)) labels::warn_of_unknown_types(drive);
   if (classes.empty() || choice.is_source) return;
   if (has_labels) return labels::keep_label_types(drive, classes);
-  if (sources.contains(MaskSource::files)) return;
-  if (sources.contains(MaskSource::detected))
-    throw UsageError("--classes " + classes + ": MODEL.toml determines the classes that a detector removes");
-  throw UsageError("--classes " + classes + ": the drive has neither mask files nor labels to choose from");
+  if (!sources.contains(MaskSource::files) && !sources.contains(MaskSource::detected))
+    throw UsageError("--classes " + classes + ": the drive has neither mask files nor labels to choose from");
 }
 
 // Reports a drive of whose objects no source shows anything.

@@ -1,7 +1,9 @@
 #include "dvi/inputs/recordings.h"
 
 #include <algorithm>
+#include <functional>
 #include <set>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -27,7 +29,13 @@ namespace {
 
 std::shared_ptr<const objects::Detector> load_detector(const job::ReadChoice& choice) {
   if (choice.detector.empty()) return nullptr;
-  return std::make_shared<const objects::Detector>(choice.detector);
+  auto detector = std::make_shared<objects::Detector>(choice.detector);
+  if (std::set<std::string, std::less<>> classes; !choice.mask_files.classes.empty()) {
+    std::istringstream names(choice.mask_files.classes);
+    for (std::string name; std::getline(names, name, ',');) classes.insert(objects::to_lower_case(name));
+    detector->choose(classes);
+  }
+  return detector;
 }
 
 void resolve_poses(Drive& drive, const job::PosesFrom& from) {
@@ -295,6 +303,7 @@ void add_files(Fingerprint& print, const Recording& open) {
     hashes[i] = large ? compute_file_hash(files[i]) : compute_file_hash(files[i], kMaxFileBytes);
   });
   print.add(drive.path.filename().string());  // cached warnings contain it
+  if (open.detector) print.add(open.detector->engine());
   print.add(fmt::format("{} {} {}", drive.frames.size(), drive.scan_headers.size(), drive.mask_files.size()));
   for (std::size_t i = 0; i < files.size(); ++i) {
     print.add(files[i].filename().string());

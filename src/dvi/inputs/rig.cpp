@@ -12,6 +12,7 @@
 #include "dvi/core/error.h"
 #include "dvi/drive/nearest_in_time.h"
 #include "dvi/inputs/mask_sources.h"
+#include "dvi/labels/label_folder.h"
 #include "dvi/labels/mask_folder.h"
 #include "dvi/media/image_file.h"
 #include "dvi/objects/reprojected_mask.h"
@@ -82,6 +83,15 @@ bool attach_camera_masks(Drive& drive, const job::ReadChoice& choice) {
   return and_own || !folders.empty();
 }
 
+/// Adds the labels of another camera in given folders that have a subfolder for it. Returns whether there are any.
+bool attach_given_labels(Drive& drive, const job::ReadChoice& choice) {
+  bool has_labels = false;
+  if (choice.is_source) return has_labels;
+  for (const job::MasksFrom& from : choice.masks)
+    if (from.kind == job::MasksFrom::Kind::path) has_labels |= labels::attach_camera_labels(drive, from.path);
+  return has_labels;
+}
+
 /// Chooses the mask sources of another camera, and attaches its mask files. They replace the sources of the drive's own camera
 /// if that has one source only. Otherwise each source has its counterpart, or its masks are reprojected.
 MaskSources choose_mask_sources(Drive& drive, const Recording& own, const job::ReadChoice& choice) {
@@ -130,12 +140,18 @@ Recording open_camera(const Recordings& drives, std::size_t number, const std::s
     return std::find(own.drive.warnings.begin(), own.drive.warnings.end(), warning) != own.drive.warnings.end();
   });
   open.rig_of = number;
+  const bool has_given_labels = !own.masks_from.empty() && attach_given_labels(drive, choice);
   open.masks_from = choose_mask_sources(drive, own, choice);
+  if (has_given_labels) {
+    open.masks_from.erase(MaskSource::reprojected);
+    open.masks_from.insert(MaskSource::labels);
+  }
   // A recording may label each camera's images at their own times. A label file given by the user is for the own camera only.
   const bool labeled = std::any_of(drive.frames.begin(), drive.frames.end(), [](const Frame& f) { return !f.labels.empty(); });
   const auto is_path = [](const job::MasksFrom& from) { return from.kind == job::MasksFrom::Kind::path; };
   const bool names_no_path = std::none_of(choice.masks.begin(), choice.masks.end(), is_path);
-  const bool has_own_labels = labeled && drive.labeled_around && (choice.is_source || names_no_path);
+  const bool has_own_labels =
+      has_given_labels || (labeled && drive.labeled_around && (choice.is_source || names_no_path));
   if (open.masks_from.contains(MaskSource::labels) && !has_own_labels) {
     share_boxes(own.drive, drive);
     open.labeled_in_part = !drive.labeled_around;

@@ -260,20 +260,26 @@ void warn_of_unknown_types(Drive& drive) {
 
 void keep_label_types(Drive& drive, const std::string& text) {
   std::set<std::string> types, wanted;
+  std::set<int> numbers, wanted_numbers;
   for (const Frame& frame : drive.frames)
-    for (const Label& label : frame.labels) types.insert(to_plain_name(label.type));
+    for (const Label& label : frame.labels) types.insert(to_plain_name(label.type)), numbers.insert(label.class_number);
+  bool any = types.empty();
   for (std::string name : split_names(text)) {
-    if (is_all_digits(name) && !types.contains(name) && types.contains("class " + name))
-      name = "class " + name;  // for classes without names
+    const bool is_number = is_all_digits(name) && !types.contains(name);
+    if (is_number && to_integer(name)) wanted_numbers.insert(*to_integer(name));
+    if (is_number && types.contains("class " + name)) name = "class " + name;  // for classes without names
     wanted.insert(name);
-    if (types.contains(name)) continue;
+    const bool exists = types.contains(name) || (is_number && to_integer(name) && numbers.contains(*to_integer(name)));
+    any |= exists;
+    if (exists) continue;
     drive.warnings.push_back(
         fmt::format("--classes {}: no label has the class '{}'; the classes are {}", text, name, fmt::join(types, ", ")));
   }
-  if (!types.empty() && std::none_of(wanted.begin(), wanted.end(), [&](const auto& name) { return types.contains(name); }))
-    throw UsageError(drive.warnings.back());
+  if (!any) throw UsageError(drive.warnings.back());
   for (Frame& frame : drive.frames)
-    std::erase_if(frame.labels, [&](const Label& label) { return !wanted.contains(to_plain_name(label.type)); });
+    std::erase_if(frame.labels, [&](const Label& label) {
+      return !wanted.contains(to_plain_name(label.type)) && !wanted_numbers.contains(label.class_number);
+    });
 }
 
 }  // namespace dvi::labels

@@ -10,7 +10,9 @@
 #include "dvi/core/text.h"
 #include "dvi/core/text_file.h"
 #include "dvi/labels/image_names.h"
+#include "dvi/labels/label_folder.h"
 #include "dvi/labels/mask_folder.h"
+#include "dvi/media/video_reader.h"
 
 namespace dvi::labels {
 namespace {
@@ -153,11 +155,28 @@ FileLabels read_drive_boxes(const fs::path& file, const Drive& drive) {
   return read;
 }
 
+FileLabels read_drive_panoptic(const fs::path& file, const Drive& drive) {
+  PanopticLabels panoptic = read_panoptic(file, drive);
+  FileLabels read = to_frames_by_name(file, std::move(panoptic.labels), drive);
+  read.files = std::move(panoptic.images);
+  return read;
+}
+
 FileLabels read_one_labelme(const fs::path& file, const Drive& drive) {
   FileLabels read = to_frames_by_name(file, read_labelme(file, {file}, drive), drive);
   if (const std::size_t files = list_files(file.parent_path(), {".json"}).size(); files > 1)
     read.warnings.push_back(fmt::format("LabelMe writes one file per image; give the folder of {} to read all {} files",
                                         file.filename().string(), files));
+  return read;
+}
+
+FileLabels read_label_folder(const fs::path& given, const Drive& drive) {
+  const auto found = find_label_folder(given, drive.camera_name);
+  if (!found) throw InputError(given, "has no label files in a supported format", "see docs/masks.md for the formats");
+  const LabelFolder& labels = found->labels;
+  FileLabels read = to_frames_by_name(labels.folder, found->format->read(labels, drive), drive);
+  read.files = labels.files;
+  read.files.insert(read.files.end(), labels.shared.begin(), labels.shared.end());
   return read;
 }
 
@@ -180,10 +199,7 @@ bool is_mots(std::string_view text) {
   return words.size() == 6 && to_integer(words[2]) && to_integer(words[3]);
 }
 
-bool is_labelme(std::string_view text) {
-  return text.starts_with('{') && contains(text, "\"shapes\"") &&
-         (contains(text, "\"imagePath\"") || contains(text, "\"shape_type\""));
-}
+bool is_panoptic(std::string_view text) { return text.starts_with('{') && contains(text, "\"segments_info\""); }
 
 bool is_coco(std::string_view text) {
   return text.starts_with('{') && contains(text, "\"annotations\"") && contains(text, "\"images\"");
@@ -201,6 +217,7 @@ const std::vector<LabelFormat>& label_formats() {
        [](Path file, const Drive& drive) { return to_frames_by_number(file, read_drive_tracking(file, drive), drive); }},
       {"MOTS instances_txt", is_mots,
        [](Path file, const Drive& drive) { return to_frames_by_number(file, read_drive_mots(file, drive), drive); }},
+      {"COCO panoptic JSON", is_panoptic, read_drive_panoptic},
       {"COCO JSON", is_coco,
        [](Path file, const Drive& drive) { return to_frames_by_name(file, read_coco(file, drive), drive); }},
       {"CVAT XML (for video or for images)", [](Text t) { return t.starts_with('<') && contains(t, "<annotations"); },
@@ -216,18 +233,17 @@ std::string_view label_text(std::string_view all) {
   return all.substr(std::min(all.find_first_not_of(" \t\r\n\xEF\xBB\xBF"), all.size()));
 }
 
-bool is_label_folder(const fs::path& folder) {
-  const std::vector<fs::path> files = list_files(folder, {".json"});
-  return !files.empty() && is_labelme(label_text(read_file(files.front())));
+bool is_labelme(std::string_view text) {
+  return text.starts_with('{') && contains(text, "\"shapes\"") &&
+         (contains(text, "\"imagePath\"") || contains(text, "\"shape_type\""));
+}
+
+bool holds_labels(const fs::path& path, const std::string& camera) {
+  return fs::is_directory(path) ? find_label_folder(path, camera).has_value() : !media::is_video(path);
 }
 
 FileLabels read_labels(const fs::path& file, const Drive& drive) {
-  if (fs::is_directory(file)) {
-    const std::vector<fs::path> files = list_files(file, {".json"});
-    FileLabels read = to_frames_by_name(file, read_labelme(file, files, drive), drive);
-    read.files = files;
-    return read;
-  }
+  if (fs::is_directory(file)) return read_label_folder(file, drive);
   const std::string all = read_text(file);
   const std::string_view text = label_text(all);
   if (text.empty()) throw InputError(file, "is empty", "give a file with labels, or a folder of masks");
@@ -236,7 +252,7 @@ FileLabels read_labels(const fs::path& file, const Drive& drive) {
   for (const LabelFormat& format : label_formats()) {
     if (format.recognize(text)) {
       FileLabels read = format.read(file, drive);
-      read.files = {file};
+      read.files.push_back(file);
       return read;
     }
     known.push_back(format.name);

@@ -33,12 +33,13 @@ struct LabelFormat {
 const std::vector<LabelFormat>& label_formats();
 
 /// Reads the labels of a file, whose format is recognized by its content. Ignores regions that labels exclude (DontCare, MOTS'
-/// ignore regions). `file` may be the folder for LabelMe, which writes one file per image. Throws InputError if the file has
-/// none of these formats, is malformed, or is for another camera.
+/// ignore regions). `file` may be a folder with one label file per image; see find_label_folder(). Throws InputError if the
+/// file has none of these formats, is malformed, or is for another camera.
 FileLabels read_labels(const fs::path& file, const Drive& drive);
 
-/// Returns whether a folder has label files of LabelMe, one per image, which read_labels() supports.
-bool is_label_folder(const fs::path& folder);
+/// Returns whether a file or folder, which exists, has labels of a camera for read_labels(), instead of masks: a folder with
+/// one label file per image, or a file that is not a video.
+bool holds_labels(const fs::path& path, const std::string& camera);
 
 /// Throws InputError with the name of the format and a remedy if a file, or the first label file of a folder, has a known
 /// format that dvi does not support. Accepts empty folders and all other files.
@@ -77,13 +78,22 @@ BoxesFile read_boxes_json(const fs::path& file);
 /// Reads COCO: polygons (all parts are one object), run lengths, or boxes if there is no segmentation. The image files are
 /// frames by name.
 NamedLabels read_coco(const fs::path& file, const Drive& drive);
+/// The segments of COCO panoptic JSON as labels, and the PNG files of their pixels.
+struct PanopticLabels {
+  NamedLabels labels;
+  std::vector<fs::path> images;
+};
+/// Reads COCO panoptic JSON. The PNG files lie in the folder beside it with its name without extension, or beside the JSON
+/// file. Reads things only, not stuff such as road and sky, unless all categories are stuff. Throws InputError if the PNG file
+/// of a frame is missing.
+PanopticLabels read_panoptic(const fs::path& file, const Drive& drive);
 /// Reads CVAT 1.1 for video and for images. Frame n of a track is the n-th image of the recording, from 0. Corners are
 /// interpolated linearly between two shapes of a track; the last shape stays until the end of the task, unless it is marked as
 /// outside.
 NamedLabels read_cvat(const fs::path& file, const Drive& drive);
 
-/// Reads LabelMe: polygons, rectangles and circles, one JSON file per image. `source` is the folder or the only file, for
-/// messages.
+/// Reads LabelMe: polygons, rectangles, circles and masks, one JSON file per image. `source` is the folder or the only file,
+/// for messages.
 NamedLabels read_labelme(const fs::path& source, const std::vector<fs::path>& files, const Drive& drive);
 
 }  // namespace dvi::labels

@@ -195,6 +195,7 @@ class Coco {
     const auto named = categories_.find(category);
     Label label;
     label.track = read_track(annotation);
+    label.class_number = to_integer(category).value_or(-1);
     label.type = named != categories_.end() ? named->second : "class " + category;
     const auto shape = annotation.find("segmentation");
     if (shape != annotation.end() && shape->is_object())

@@ -1,5 +1,7 @@
 #include <cmath>
+#include <cstdint>
 #include <stdexcept>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,6 +12,7 @@
 #include "dvi/core/text_file.h"
 #include "dvi/labels/image_labels.h"
 #include "dvi/labels/labels.h"
+#include "dvi/media/image_file.h"
 
 namespace dvi::labels {
 namespace {
@@ -41,6 +44,35 @@ Polygon make_circle(const cv::Point2d& center, const cv::Point2d& on_rim) {
   return corners;
 }
 
+// Decodes base64. Throws std::invalid_argument if the text has other characters.
+std::string decode_base64(std::string_view text) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  std::uint32_t bits = 0;
+  int count = 0;
+  for (const char c : text.substr(0, text.find('='))) {
+    const std::size_t digit = kDigits.find(c);
+    if (digit == std::string_view::npos) throw std::invalid_argument("a mask is not in base64");
+    bits = bits << 6 | static_cast<std::uint32_t>(digit);
+    count += 6;
+    if (count < 8) continue;
+    count -= 8;
+    bytes += static_cast<char>(bits >> count & 0xFF);
+  }
+  return bytes;
+}
+
+// Reads a mask: a PNG file in base64, whose first pixel is at the first corner of its rectangle.
+Instance read_mask(const json& shape, const cv::Point2d& corner, cv::Size size) {
+  const std::string png = decode_base64(shape.at("mask").get<std::string>());
+  const cv::Size part = media::image_size("the mask", png);
+  const cv::Rect place(cv::Point(cvRound(corner.x), cvRound(corner.y)), part), image({0, 0}, size);
+  cv::Mat1b mask = media::to_mask(media::decode_image("the mask", png, part));
+  const cv::Rect shown = place & image;
+  if (shown.empty()) return to_outline(cv::Mat1b(size, uchar{0}));
+  return to_outline(mask(shown - place.tl()), shown.tl(), size);
+}
+
 class LabelMe {
  public:
   LabelMe(const fs::path& source, const Drive& drive) : labels_(source, drive) {}
@@ -66,7 +98,8 @@ class LabelMe {
     if (left_out_ > 0)
       labels_.warn(fmt::format(
           "{}: {} points and lines are ignored: only polygons, rectangles, circles and masks are supported", name, left_out_));
-    if (masks_ > 0) labels_.warn(fmt::format("{}: the rectangles of {} masks are used instead of the masks", name, masks_));
+    if (boxes_of_masks_ > 0)
+      labels_.warn(fmt::format("{}: {} masks have no image; their rectangles are used", name, boxes_of_masks_));
     return labels_.take();
   }
 
@@ -79,8 +112,12 @@ class LabelMe {
     if (type == "polygon" && corners.size() > 2) return labels_.add_polygons(frame, std::move(label), {corners});
     if (type == "circle" && corners.size() == 2)
       return labels_.add_polygons(frame, std::move(label), {make_circle(corners[0], corners[1])});
+    if (type == "oriented_rectangle" && corners.size() == 4) return labels_.add_polygons(frame, std::move(label), {corners});
+    const bool has_mask = type == "mask" && shape.value("mask", json()).is_string();
+    if (has_mask && corners.size() == 2)
+      return labels_.add_outline(frame, std::move(label), read_mask(shape, corners[0], labels_.size()));
     if ((type == "rectangle" || type == "mask") && corners.size() >= 2) {
-      masks_ += type == "mask" ? 1 : 0;
+      boxes_of_masks_ += type == "mask" ? 1 : 0;
       const cv::Point2d &a = corners[0], &b = corners[corners.size() == 4 ? 2 : 1];  // LabelMe 5.6 and later write four corners
       return labels_.add_box(frame, std::move(label), {std::min(a.x, b.x), std::min(a.y, b.y)},
                              {std::max(a.x, b.x), std::max(a.y, b.y)});
@@ -89,7 +126,7 @@ class LabelMe {
   }
 
   ImageLabels labels_;
-  std::size_t left_out_ = 0, masks_ = 0;
+  std::size_t left_out_ = 0, boxes_of_masks_ = 0;
 };
 
 }  // namespace
@@ -105,6 +142,8 @@ NamedLabels read_labelme(const fs::path& source, const std::vector<fs::path>& fi
       throw InputError(file, e.what(), "see docs/masks.md for the supported parts of LabelMe");
     } catch (const std::invalid_argument& e) {
       throw InputError(file, e.what(), "see docs/masks.md for the supported parts of LabelMe");
+    } catch (const InputError& e) {
+      throw InputError(file, e.what());  // the error concerns a mask within the file
     }
   };
   for (const fs::path& file : files)

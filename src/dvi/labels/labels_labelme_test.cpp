@@ -44,7 +44,7 @@ TEST(LabelMe, ReadsAFilePerImage) {
                                                                     shape("polygon", "[[10,2],[14,2],[14,6],[10,6]]")));
   folder.write("l/001.json", labelme("001.jpg", shape("circle", "[[10,6],[14,6]]") + "," + shape("line", "[[1,1],[2,2]]") +
                                                     "," + shape("mask", "[[1,1],[4,3]]")));
-  EXPECT_TRUE(is_label_folder(folder.path / "l"));
+  EXPECT_TRUE(holds_labels(folder.path / "l", "front"));
   const FileLabels read = read_labels(folder.path / "l", three_images());
   ASSERT_EQ(read.frames[0].size(), 2U);
   EXPECT_EQ(read.frames[0][0].type, "car");
@@ -55,8 +55,29 @@ TEST(LabelMe, ReadsAFilePerImage) {
   EXPECT_EQ(*read.frames[1][1].rect, cv::Rect2d(1, 1, 3, 2));
   EXPECT_EQ(read.files.size(), 2U) << "all files are inputs of a run";
   EXPECT_THAT(read.warnings, testing::Contains(HasSubstr("1 points and lines are ignored")));
-  EXPECT_THAT(read.warnings, testing::Contains(HasSubstr("the rectangles of 1 masks are used")));
+  EXPECT_THAT(read.warnings, testing::Contains(HasSubstr("1 masks have no image; their rectangles are used")));
   EXPECT_THAT(read.frames_after_last.frames, ElementsAre(2)) << "this frame has no file";
+}
+
+// The image is a PNG of 3 x 2 pixels in gray, {1, 0, 1; 1, 1, 1}, written by Pillow as LabelMe does (img_arr_to_b64).
+TEST(LabelMe, ReadsMasksAndRotatedRectangles) {
+  const char* mask =
+      R"({"label":"Car","points":[[5,4],[7,5]],"shape_type":"mask","flags":{},"mask":"iVBORw0KGgoAAAANSUhEUgAAAAMAAAACCAAAAAC4HznGAAAAEElEQVR4nGNgZGBkYmBkAAAAHgAGlsuf7QAAAABJRU5ErkJggg=="})";
+  const TestFolder folder;
+  folder.write("l/000.json",
+               labelme("000.png", std::string(mask) + "," + shape("oriented_rectangle", "[[10,2],[14,6],[10,10],[6,6]]")));
+  const FileLabels read = read_labels(folder.path / "l", three_images());
+  ASSERT_EQ(read.frames[0].size(), 2U);
+  cv::Mat1b expected(12, 20, uchar{0}), drawn(12, 20, uchar{0});
+  expected(cv::Rect(5, 4, 3, 2)) = 255;
+  expected(4, 6) = 0;
+  draw(read.frames[0][0].instance.value(), drawn);
+  EXPECT_EQ(cv::countNonZero(expected != drawn), 0);
+  EXPECT_EQ(pixels(read.frames[0][1]), 32);
+  const std::string bad = std::string(mask).replace(std::string(mask).find("iVBO"), 4, "iV*O");
+  folder.write("l/000.json", labelme("000.png", bad));
+  EXPECT_THAT(input_error([&] { read_labels(folder.path / "l", three_images()); }),
+              AllOf(HasSubstr("000.json"), HasSubstr("not in base64")));
 }
 
 TEST(LabelMe, ReadsOneFileForOneFrame) {
@@ -93,30 +114,24 @@ TEST(UnreadLabels, AreRefusedWithARemedy) {
     EXPECT_THAT(input_error([&] { read_labels(file, three_images()); }),
                 AllOf(HasSubstr(name), HasSubstr(format), HasSubstr("which dvi does not support"), HasSubstr(remedy)));
   };
-  expect("000.txt", "2 0.133333 0.300000 0.266667 0.200000\n", "YOLO labels", "COCO");
-  expect("001.txt", "0 0.1 0.1 0.2 0.1 0.2 0.2\r\n", "YOLO labels", "COCO");
+  expect("000.txt", "2 0.133333 0.300000 0.266667 0.200000\n", "YOLO labels of one image", "give the folder");
+  expect("001.txt", "0 0.1 0.1 0.2 0.1 0.2 0.2\r\n", "YOLO labels of one image", "give the folder");
   expect("gt.txt", "1,1,912,484,97,109,0,7,1\n", "MOT labels", "COCO");
   expect("label.txt", "Truck 0.00 0 -1.57 600 150 630 190 2.85 2.63 12.34 0.47 1.49 69.44 -1.56\n", "KITTI object labels",
          "tracking labels");
   expect("a.xml", "<annotation><filename>000.png</filename><object><name>car</name><bndbox/></object></annotation>",
          "Pascal VOC", "COCO");
-  expect("a.npy", std::string("\x93NUMPY\x01\x00v", 9), "NumPy arrays", "PNG");
-  expect("a.npz", "PK\x03\x04masks.npy", "NumPy arrays", "PNG");
+  expect("a.npy", std::string("\x93NUMPY\x01\x00v", 9), "a single NumPy array", "give the folder");
+  expect("a.npz", "PK\x03\x04masks.npy", "NumPy archives", "np.save");
   expect("a.zip",
          "PK\x03\x04"
          "annotations.xml",
          "a ZIP archive", "unpack");
-  expect("p.json", R"({"images":[],"annotations":[{"image_id":5,"segments_info":[]}]})", "COCO panoptic", "instances");
   expect("c.json", R"({"images":[],"annotations":[{"image_id":5,"caption":"a car"}]})", "COCO captions", "instances");
   expect("r.json", R"([{"image_id":5,"category_id":3,"bbox":[1,2,3,4],"score":0.9}])", "COCO results", "\"images\"");
   EXPECT_THAT(input_error([&] { read_labels(folder.write("x.json", R"({"version":"5"})"), three_images()); }),
               AllOf(HasSubstr("holds no labels in a supported format"), HasSubstr("COCO JSON"), HasSubstr("LabelMe")));
   EXPECT_THAT(input_error([&] { read_labels(folder.write("empty.txt", " \n"), three_images()); }), HasSubstr("is empty"));
-  folder.write("yolo/classes.txt", "car\nvan\n");
-  folder.write("yolo/000.txt", "");
-  folder.write("yolo/001.txt", "2 0.133333 0.300000 0.266667 0.200000\n");
-  EXPECT_THAT(input_error([&] { refuse_unread_labels(folder.path / "yolo"); }),
-              AllOf(HasSubstr("YOLO labels"), HasSubstr("the first is 001.txt")));
 }
 
 }  // namespace

@@ -194,8 +194,9 @@ TEST(MaskFolder, ReportsTheContentOfAFolderWithoutMasks) {
   folder.write("jpeg/five.jpg", "an image");
   EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path / "jpeg"); }),
               AllOf(HasSubstr("1 JPEG files"), HasSubstr("write masks as PNG")));
-  folder.write("yolo/five.txt", "2 0.13 0.3 0.26 0.2\n");
-  EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path / "yolo"); }), HasSubstr("holds YOLO labels"));
+  folder.write("mot/five.txt", "1,1,912,484,97,109,0,7,1\n");
+  EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path / "mot"); }),
+              AllOf(HasSubstr("holds MOT labels"), HasSubstr("the first is five.txt")));
 }
 
 TEST(MaskFolder, MatchesMasksByName) {

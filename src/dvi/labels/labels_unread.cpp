@@ -7,6 +7,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/text.h"
+#include "dvi/labels/label_folder.h"
 #include "dvi/labels/labels.h"
 
 namespace dvi::labels {
@@ -21,16 +22,6 @@ bool has_all(Text text, std::initializer_list<Text> parts) {
 }
 
 Text get_first_line(Text text) { return text.substr(0, text.find_first_of("\r\n")); }
-
-// Lines have a class and numbers from 0 to 1: a box of four, with or without a score, or the corners of a polygon.
-bool is_yolo(Text text) {
-  const std::vector<std::string> words = split_words(get_first_line(text));
-  if (words.size() < 5 || !to_integer(words[0])) return false;
-  return std::all_of(words.begin() + 1, words.begin() + 5, [](const std::string& word) {
-    const auto value = to_number(word);
-    return value && *value >= 0 && *value <= 1;
-  });
-}
 
 // Lines are frame,track,x,y,width,height,...
 bool is_mot(Text text) {
@@ -57,18 +48,18 @@ constexpr Text kConvertToCoco =
     "convert it to COCO JSON (CVAT, Roboflow, and datumaro do), or draw it as PNG files, one per image";
 
 constexpr auto kUnreadFormats = std::to_array<UnreadFormat>({
-    {"NumPy arrays", [](Text t) { return t.starts_with("\x93NUMPY") || (t.starts_with("PK") && contains(t, ".npy")); },
-     "write each mask as a PNG file, named like its image: cv2.imwrite(NAME + '.png', 255 * mask.astype('uint8'))"},
+    {"NumPy archives", [](Text t) { return t.starts_with("PK") && contains(t, ".npy"); },
+     "write each mask as a separate file, named like its image: np.save(NAME + '.npy', mask.astype('uint16'))"},
+    {"a single NumPy array", [](Text t) { return t.starts_with("\x93NUMPY"); },
+     "give the folder of the arrays, one per image, named like its image"},
     {"files in a ZIP archive", [](Text t) { return t.starts_with("PK\x03\x04"); },
      "unpack it, and give the file or folder in it"},
-    {"YOLO labels, one text file per image", is_yolo, kConvertToCoco},
+    {"YOLO labels of one image", [](Text t) { return is_yolo(t, true); }, "give the folder of the label files"},
     {"MOT labels", is_mot, kConvertToCoco},
     {"KITTI object labels, one text file per image", is_kitti_object,
      "give the tracking labels of the sequence (one file whose lines begin with frame and track), or COCO JSON"},
     {"Pascal VOC XML, one file per image", [](Text t) { return contains(t, "<annotation") && contains(t, "<bndbox"); },
      kConvertToCoco},
-    {"COCO panoptic JSON, whose segments are in separate PNG files", [](Text t) { return contains(t, "\"segments_info\""); },
-     "convert it to instances, for example by panoptic2detection_coco_format.py of panopticapi"},
     {"COCO captions", [](Text t) { return has_all(t, {"\"annotations\"", "\"caption\""}) && !contains(t, "\"bbox\""); },
      "give the file of instances"},
     {"COCO results without the list of images",
@@ -95,7 +86,7 @@ const UnreadFormat* find_unread_format(Text text) {
 void refuse_unread_labels(const fs::path& path) {
   if (!fs::exists(path)) return;  // the reader reports it
   const std::vector<fs::path> files =
-      fs::is_directory(path) ? list_files(path, {".txt", ".xml", ".json", ".npy", ".npz"}) : std::vector<fs::path>{path};
+      fs::is_directory(path) ? list_files(path, {".txt", ".xml", ".json", ".npz"}) : std::vector<fs::path>{path};
   constexpr std::size_t kMaxInspected = 25;  // lists of classes and files of images without objects may come first
   for (std::size_t i = 0; i < std::min(files.size(), kMaxInspected); ++i) {
     const fs::path& file = files[i];

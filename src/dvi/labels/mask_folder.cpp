@@ -11,7 +11,9 @@
 #include "dvi/core/text.h"
 #include "dvi/labels/image_names.h"
 #include "dvi/labels/labels.h"
+#include "dvi/labels/mask_video.h"
 #include "dvi/media/image_file.h"
+#include "dvi/media/video_reader.h"
 
 namespace dvi::labels {
 namespace {
@@ -22,7 +24,7 @@ using MaskFiles = std::map<std::string, fs::path>;  // by name
 MaskFiles list_masks_by_name(const std::vector<fs::path>& folders) {
   MaskFiles masks, longer;
   for (const fs::path& folder : folders)
-    for (const fs::path& file : list_files(folder, {".png"})) {
+    for (const fs::path& file : list_files(folder, kMaskEndings)) {
       const std::string ending = to_lower_case(file.stem().extension().string());
       const bool of_image = ending == ".jpg" || ending == ".jpeg" || ending == ".png";
       (of_image ? longer[file.stem().stem().string()] : masks[file.stem().string()]) = file;
@@ -142,6 +144,8 @@ void match_masks(Drive& drive, const std::vector<fs::path>& folders) {
 }
 
 void attach_masks(Drive& drive, const fs::path& given) {
+  if (media::is_video(given)) return attach_mask_video(drive, given);
+  drive.mask_video.clear();
   const fs::path folder = find_camera_folder(given, drive.camera_name).value_or(given);
   MaskFiles masks = list_masks_by_name({folder});
   if (masks.empty()) refuse_without_masks(drive, folder);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <set>
@@ -14,6 +15,8 @@
 #include "dvi/core/error.h"
 #include "dvi/core/median.h"
 #include "dvi/labels/class_ids.h"
+#include "dvi/labels/mask_folder.h"
+#include "dvi/labels/mask_video.h"
 #include "dvi/media/image_file.h"
 #include "dvi/media/image_storage.h"
 
@@ -40,7 +43,7 @@ std::vector<fs::path> sample_files(const Drive& drive) {
   for (const Frame& frame : drive.frames) images.insert(frame.file);
   std::vector<fs::path> files;
   for (const fs::path& folder : folders)
-    for (const fs::path& file : list_files(folder, {".png"}))
+    for (const fs::path& file : list_files(folder, kMaskEndings))
       if (!images.contains(file)) files.push_back(file);
   std::vector<fs::path> sample;
   const std::size_t count = std::min(files.size(), kReadingParams.max_sampled_files);
@@ -94,13 +97,13 @@ MaskStatistics measure_masks(const std::vector<fs::path>& sample, cv::Size size)
     const cv::Mat picture = media::read_unchanged(file, size);
     if (picture.empty()) continue;  // reading it for its frame reports the error
     if (looks.shares.empty()) looks.first = file;
-    looks.shares.push_back(cv::countNonZero(media::to_mask(picture)) / static_cast<double>(picture.total()));
+    looks.shares.push_back(cv::countNonZero(media::read_mask(file, size)) / static_cast<double>(picture.total()));
     looks.values.merge(find_values(picture));
   }
   return looks;
 }
 
-Polarity decide_polarity(Drive& drive, const MaskStatistics& looks) {
+Polarity judge_masks(Drive& drive, const MaskStatistics& looks) {
   if (looks.shares.empty()) return Polarity::white;
   const double share = median(looks.shares);
   const std::string folder = looks.first.parent_path().string();
@@ -117,19 +120,7 @@ Polarity decide_polarity(Drive& drive, const MaskStatistics& looks) {
         fmt::format("the masks in {} have {} values other than 0, and all of them are removed; if they are "
                     "class ids, select the classes to remove by --classes",
                     folder, looks.values.size()));
-  if (share <= kReadingParams.max_removed_share) return Polarity::white;
-  if (looks.shares.size() < kReadingParams.min_deciding_files) {
-    drive.warnings.push_back(
-        fmt::format("{:.0f} % of the masks in {} are not black and are removed; if black means remove, give "
-                    "--polarity black",
-                    100 * share, folder));
-    return Polarity::white;
-  }
-  drive.warnings.push_back(
-      fmt::format("in the masks in {} black means remove, because {:.0f} % of them are not black; if white "
-                  "means remove, give --polarity white",
-                  folder, 100 * share));
-  return Polarity::black;
+  return decide_polarity(drive, PaintedShare{.share = share, .masks = looks.shares.size(), .where = folder});
 }
 
 /// The representation of ids in the images of a folder.
@@ -193,7 +184,7 @@ using ReadMask = std::function<cv::Mat1b(const fs::path&)>;
 ReadMask make_plain_reader(Drive& drive, const std::vector<fs::path>& sample, Polarity polarity) {
   const cv::Size size = get_size(drive);
   if (polarity == Polarity::automatic)
-    polarity = is_of_dvi_mask(drive) ? Polarity::white : decide_polarity(drive, measure_masks(sample, size));
+    polarity = is_of_dvi_mask(drive) ? Polarity::white : judge_masks(drive, measure_masks(sample, size));
   if (polarity == Polarity::black) return [size](const fs::path& file) { return cv::Mat1b(~media::read_mask(file, size)); };
   return [size](const fs::path& file) { return media::read_mask(file, size); };
 }
@@ -220,7 +211,24 @@ ReadMask make_reader(Drive& drive, const std::vector<fs::path>& sample, const Ma
 
 }  // namespace
 
+Polarity decide_polarity(Drive& drive, const PaintedShare& painted) {
+  const int percent = static_cast<int>(std::lround(100 * painted.share));
+  if (painted.share <= kReadingParams.max_removed_share) return Polarity::white;
+  if (painted.masks < kReadingParams.min_deciding_files) {
+    drive.warnings.push_back(
+        fmt::format("{} % of the masks in {} are not black and are removed; if black means remove, give --polarity black",
+                    percent, painted.where));
+    return Polarity::white;
+  }
+  drive.warnings.push_back(
+      fmt::format("in the masks in {} black means remove, because {} % of them are not black; if white means remove, give "
+                  "--polarity white",
+                  painted.where, percent));
+  return Polarity::black;
+}
+
 void read_masks(Drive& drive, const MaskReading& reading) {
+  if (!drive.mask_video.empty()) return read_mask_video(drive, reading);
   const std::vector<fs::path> sample = sample_files(drive);
   media::warn_of_mask_orientation(drive, sample);
   const ReadMask read = make_reader(drive, sample, reading);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <string>
 #include <utility>
 
@@ -29,6 +30,16 @@ struct MaskReading {
 /// folders; the sample becomes part of other_files, and a warning states the decision. Throws InputError if the files are
 /// images of class ids and no class is selected.
 void read_masks(Drive& drive, const MaskReading& reading);
+
+/// The part of masks that is painted, by which their polarity is decided.
+struct PaintedShare {
+  double share = 0;       ///< fraction of the image that is not black, in the median
+  std::size_t masks = 0;  ///< the number of inspected masks
+  std::string where;      ///< their folder or file, for the warning
+};
+
+/// Decides the meaning of black and white by the part that is painted, and adds a warning unless white means remove as usual.
+Polarity decide_polarity(Drive& drive, const PaintedShare& painted);
 
 /// Reads one mask for all frames, such as that of the vehicle's hood. With automatic polarity the smaller part is removed; a
 /// warning states if that is the black part. The file becomes part of other_files. Throws InputError if its size differs from

@@ -11,6 +11,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/geometry/camera.h"
+#include "dvi/media/numpy_file.h"
 
 namespace dvi::media {
 namespace {
@@ -104,8 +105,6 @@ cv::Mat decode(const fs::path& path, const std::string& bytes, cv::Size size, in
   return image;
 }
 
-cv::Mat decode(const fs::path& path, cv::Size size, int mode) { return decode(path, read_file(path), size, mode); }
-
 cv::Mat1b is_not_zero(const cv::Mat& image, int channel) {
   cv::Mat values;
   cv::extractChannel(image, values, channel);
@@ -140,6 +139,30 @@ std::optional<std::string> remove_palette(const std::string& png) {
   return out;
 }
 
+// Decodes the indices of a PNG with a palette. Returns nothing if there is no palette.
+std::optional<cv::Mat> decode_indices(const fs::path& path, const std::string& bytes, cv::Size size) {
+  const std::optional<std::string> gray = remove_palette(bytes);
+  if (!gray) return std::nullopt;
+  constexpr std::size_t kBitDepthByte = 24;  // the decoder scales depths below 8 bits to the whole range
+  const int largest = (1 << std::clamp(get_byte(bytes, kBitDepthByte), 1, 8)) - 1, stretched = 255 / largest;
+  const cv::Mat indices = decode(path, *gray, size, cv::IMREAD_UNCHANGED);
+  return indices.depth() == CV_8U ? cv::Mat(indices / stretched) : indices;
+}
+
+// Returns whether the indices of a palette are numbers of objects with the background 0, whatever its color. Otherwise the
+// colors count: the image has black pixels that are not 0, or is gray.
+bool are_indices_of_objects(const cv::Mat3b& colors, const cv::Mat1b& indices) {
+  bool is_gray = true, has_other_black = false, has_colored_background = false;
+  auto index = indices.begin();
+  for (const cv::Vec3b& color : colors) {
+    const bool is_background = *index++ == 0, is_black = color == cv::Vec3b(0, 0, 0);
+    is_gray &= color[0] == color[1] && color[1] == color[2];
+    has_other_black |= is_black && !is_background;
+    has_colored_background |= !is_black && is_background;
+  }
+  return !is_gray && !(has_other_black && has_colored_background);
+}
+
 }  // namespace
 
 cv::Size image_size(const fs::path& path) { return image_size(path, read_file(path)); }
@@ -156,6 +179,7 @@ cv::Mat3b decode_image(const fs::path& name, const std::string& bytes, cv::Size 
 cv::Mat3b read_image(const fs::path& path, cv::Size size) { return decode_image(path, read_file(path), size); }
 
 cv::Mat read_unchanged(const fs::path& path, cv::Size size) {
+  if (is_numpy(path)) return read_numpy(path, size);
   const std::string bytes = read_file(path);
   return read_stated_size(path, bytes) == size ? decode(path, bytes, cv::IMREAD_UNCHANGED) : cv::Mat();
 }
@@ -171,15 +195,19 @@ cv::Mat1b to_mask(const cv::Mat& picture) {
 }
 
 cv::Mat read_indices(const fs::path& path, cv::Size size) {
+  if (is_numpy(path)) return read_numpy(path, size);
   const std::string bytes = read_file(path);
-  const std::optional<std::string> gray = remove_palette(bytes);
-  if (!gray) return decode(path, bytes, size, cv::IMREAD_UNCHANGED);
-  constexpr std::size_t kBitDepthByte = 24;  // the decoder scales depths below 8 bits to the whole range
-  const int largest = (1 << std::clamp(get_byte(bytes, kBitDepthByte), 1, 8)) - 1, stretched = 255 / largest;
-  cv::Mat indices = decode(path, *gray, size, cv::IMREAD_UNCHANGED);
-  return indices.depth() == CV_8U ? cv::Mat(indices / stretched) : indices;
+  if (const auto indices = decode_indices(path, bytes, size)) return *indices;
+  return decode(path, bytes, size, cv::IMREAD_UNCHANGED);
 }
 
-cv::Mat1b read_mask(const fs::path& path, cv::Size size) { return to_mask(decode(path, size, cv::IMREAD_UNCHANGED)); }
+cv::Mat1b read_mask(const fs::path& path, cv::Size size) {
+  if (is_numpy(path)) return to_mask(read_numpy(path, size));
+  const std::string bytes = read_file(path);
+  const cv::Mat picture = decode(path, bytes, size, cv::IMREAD_UNCHANGED);
+  if (picture.type() != CV_8UC3) return to_mask(picture);
+  const std::optional<cv::Mat> indices = decode_indices(path, bytes, size);
+  return indices && are_indices_of_objects(picture, *indices) ? to_mask(*indices) : to_mask(picture);
+}
 
 }  // namespace dvi::media

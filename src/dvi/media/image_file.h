@@ -21,17 +21,18 @@ cv::Mat3b decode_image(const fs::path& name, const std::string& bytes, cv::Size 
 cv::Mat3b read_image(const fs::path& path, cv::Size size);
 
 /// Reads a mask: 255 where any color of the file is not 0, at any bit depth. If all colors of the file are equal and its
-/// transparency varies, 255 where the transparency channel is not 0. Errors and orientation are as for read_image().
+/// transparency varies, 255 where the transparency channel is not 0. With a palette of colors, 255 where the index is not 0,
+/// whatever the color of index 0. Reads arrays of NumPy as well. Errors and orientation are as for read_image().
 cv::Mat1b read_mask(const fs::path& path, cv::Size size);
 
 /// Converts an image from read_unchanged() to such a mask.
 cv::Mat1b to_mask(const cv::Mat& picture);
 
-/// Reads the stored image; with a palette, the indices as one 8-bit channel. Errors are as for read_image().
+/// Reads the stored image or array of NumPy; with a palette, the indices as one 8-bit channel. Errors are as for read_image().
 cv::Mat read_indices(const fs::path& path, cv::Size size);
 
 /// Reads the stored image with its bit depth and channels (BGR if there are three). Returns an empty image if the file is not a
-/// complete PNG or JPEG of that size. Throws InputError if it is too large.
+/// complete PNG or JPEG of that size. Throws InputError if it is too large, and for an array of NumPy like read_numpy().
 cv::Mat read_unchanged(const fs::path& path, cv::Size size);
 
 }  // namespace dvi::media

@@ -1,5 +1,8 @@
 #include "dvi/media/image_file.h"
 
+#include <libdeflate.h>
+
+#include "dvi/media/deflate.h"
 #include "dvi/testing/image_folder.h"
 
 namespace dvi::media {
@@ -80,6 +83,24 @@ TEST(ImageFile, UsesTransparencyOnlyIfColorsAreEqual) {
   EXPECT_EQ(count(cv::Mat4b(4, 6, cv::Vec4b(255, 255, 255, 255))), 24);
 }
 
+std::string make_chunk(const std::string& body) {  // the body begins with the chunk's name
+  const auto number = [](std::uint32_t value) {
+    std::string out;
+    for (const int shift : {24, 16, 8, 0}) out += static_cast<char>(value >> shift);
+    return out;
+  };
+  return number(static_cast<std::uint32_t>(body.size() - 4)) + body + number(libdeflate_crc32(0, body.data(), body.size()));
+}
+
+// Makes a PNG of 3x2 pixels with a palette of RGB colors; `indices` are the pixels.
+std::string make_palette_png(const std::string& colors, const std::string& indices) {
+  using namespace std::string_literals;
+  std::string rows;
+  for (std::size_t row = 0; row < 2; ++row) rows += '\0' + indices.substr(3 * row, 3);
+  return "\x89PNG\r\n\x1A\n" + make_chunk("IHDR\0\0\0\3\0\0\0\2\x08\3\0\0\0"s) + make_chunk("PLTE" + colors) +
+         make_chunk("IDAT" + compress_zlib({rows.begin(), rows.end()})) + make_chunk("IEND");
+}
+
 TEST(ImageFile, ReadsMasksWithAPalette) {
   const TestFolder folder;
   // The 2x1 pixels have the indices 0 and 1: black, and red of 1.
@@ -96,6 +117,20 @@ TEST(ImageFile, ReadsMasksWithAPalette) {
   ASSERT_EQ(indices.type(), CV_8UC1);
   EXPECT_EQ(indices.at<uchar>(0, 0), 0);
   EXPECT_EQ(indices.at<uchar>(0, 1), 1);
+}
+
+TEST(ImageFile, ReadsPalettesWhoseBackgroundIsNotBlack) {
+  const TestFolder folder;
+  const auto count = [&](const std::string& colors, const std::string& numbers) {
+    return cv::countNonZero(read_mask(folder.write("m.png", make_palette_png(colors, numbers)), {3, 2}));
+  };
+  using namespace std::string_literals;
+  const std::string blue = "\x1F\x77\xB4", orange = "\xFF\x7F\x0E", black = "\0\0\0"s, white = "\xFF\xFF\xFF";
+  EXPECT_EQ(count(blue + orange + white, "\0\1\2\0\0\1"s), 3) << "numbers of objects";
+  EXPECT_EQ(count(black + orange + black, "\0\1\2\0\0\1"s), 3) << "a palette with fewer colors than objects";
+  EXPECT_EQ(count(blue + orange + white, "\0\0\0\0\0\0"s), 0) << "no objects";
+  EXPECT_EQ(count(white + black, "\0\1\1\0\1\1"s), 2) << "black and white";
+  EXPECT_EQ(count(orange + black, "\0\1\1\0\1\1"s), 2) << "painted on black";
 }
 
 // Adds the EXIF tag for a rotation by 90 degrees to a JPEG.

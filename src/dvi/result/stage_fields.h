@@ -86,7 +86,8 @@ constexpr auto fields_of(Of<cv::Rect2d>) {
 constexpr auto fields_of(Of<Instance>) { return std::tuple{&Instance::size, &Instance::runs}; }
 constexpr auto fields_of(Of<Box>) { return std::tuple{&Box::frame_from_box, &Box::size}; }
 constexpr auto fields_of(Of<Label>) {
-  return std::tuple{&Label::track, &Label::type, &Label::box, &Label::rect, &Label::instance, &Label::source};
+  return std::tuple{&Label::track,    &Label::type,   &Label::box,         &Label::rect,
+                    &Label::instance, &Label::source, &Label::class_number};
 }
 
 template <class Archive, class T>

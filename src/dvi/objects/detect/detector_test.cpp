@@ -199,6 +199,15 @@ TEST_F(DetectorModels, MissAFrameThatIsInterpolated) {
   }
 }
 
+TEST_F(DetectorModels, DetectTheChosenClasses) {
+  Detector detector(write_description("semantic", test_description(true)));
+  detector.choose({"person"});
+  const Detections found = detector.detect({picture(kCar, kPerson)}).front();
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].box, kPerson);
+  EXPECT_THAT(input_error([&] { detector.choose({"bus"}); }), HasSubstr("none of its classes is removed; it has street, car, person"));
+}
+
 TEST_F(DetectorModels, ThatOpenCvCannotRunAreRejectedWithTheirNode) {
   const EngineChoice opencv("off");
   const std::string text = load_error("topk", test_description(true));
