@@ -65,7 +65,9 @@ OptionTable Job::table() {
   table.add(
       "masks", read.masks,
       "Determines the removed objects: auto (the drive's mask files, else its labels, else moving objects), labels, found "
-      "(moving objects), DIR (PNG masks, LabelMe), or FILE (labels: KITTI, MOTS, COCO, CVAT, boxes.json).");
+      "(moving objects), DIR (masks, YOLO, Grounded-SAM-2, LabelMe), or FILE (a video of masks; labels: KITTI, MOTS, COCO, "
+      "CVAT, "
+      "boxes.json).");
   table.add(
       "polarity", read.mask_files.polarity,
       "States which pixels of mask files are removed: white, black, or auto (white, unless most masks are mostly white).");
