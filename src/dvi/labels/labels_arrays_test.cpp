@@ -106,7 +106,22 @@ TEST(MaskArrays, AreReadLikeImages) {
   EXPECT_THAT(input_error([&] { read_masks(drive, {}); }), AllOf(HasSubstr("001.npy"), HasSubstr("type '|O'")));
 }
 
-// White where x < 30 + 10 * i, in frame i of a video of 64 x 48 pixels.
+// OpenDroneMap and Metashape write NAME_mask.png, in which black is ignored.
+TEST(MaskFiles, OfOpenDroneMapAreBlackWhereObjectsAre) {
+  const TestFolder folder;
+  cv::Mat1b mask(4, 6, uchar{255});
+  mask(cv::Rect(1, 1, 2, 2)) = 0;
+  for (int i = 0; i < 3; ++i) folder.write_image(fmt::format("m/{:03}_mask.png", i), mask);
+  Drive drive = three_small_images();
+  attach_masks(drive, folder.path / "m");
+  for (const Polarity polarity : {Polarity::automatic, Polarity::black}) {
+    read_masks(drive, {.polarity = polarity});
+    EXPECT_EQ(cv::countNonZero(*drive.masks[1] == mask), 0) << "the inverse";
+  }
+  EXPECT_THAT(drive.warnings, Contains(HasSubstr("black means remove")));
+}
+
+// White where x < 10 + 5 * i, in frame i of a video of 64 x 48 pixels.
 cv::Mat1b video_mask(int i) {
   cv::Mat1b mask(48, 64, uchar{0});
   mask(cv::Rect(0, 0, 10 + 5 * i, 48)) = 255;

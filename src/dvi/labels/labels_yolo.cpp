@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -49,6 +50,7 @@ class LayoutFinder {
     std::set<double> singles, pairs;
     for (const TextLine& line : lines) {
       const std::size_t count = line.size() - 1;
+      ++lines_, ++counts_[count];
       if (count < kBoxNumbers + 1) continue;
       has_polygons_ |= count > kPolygonNumbers;
       const double last = line.number(count);
@@ -60,7 +62,13 @@ class LayoutFinder {
     }
   }
 
-  LineLayout find() const {
+  /// Throws InputError about `folder` if its files have the 17 keypoints of people instead of polygons.
+  LineLayout find(const fs::path& folder) const {
+    constexpr std::size_t kPoseNumbers = kBoxNumbers + 17 * 3, kMaxExtras = 2, kMinEqualLines = 3;
+    const std::size_t first = counts_.empty() ? 0 : counts_.begin()->first;
+    if (counts_.size() == 1 && lines_ >= kMinEqualLines && first >= kPoseNumbers && first <= kPoseNumbers + kMaxExtras)
+      throw InputError(folder, fmt::format("has {} numbers in each line: keypoints of people, not polygons", first),
+                       "use a network for detection or segmentation, yolo segment predict");
     LineLayout out;
     out.has_polygons = has_polygons_ || (sixes_.lines > 0 && !sixes_.all_whole());
     // The last coordinate of a polygon is not 1 in all lines, except in very few.
@@ -74,6 +82,8 @@ class LayoutFinder {
   }
 
  private:
+  std::map<std::size_t, std::size_t> counts_;  // lines by their number of numbers
+  std::size_t lines_ = 0;
   bool has_polygons_ = false;
   EndStatistics singles_;  ///< of lines with an odd number of numbers
   EndStatistics sixes_;    ///< of lines with six numbers: triangles, or boxes with confidence and track
@@ -162,10 +172,19 @@ class Yolo {
     return polygon;
   }
 
+  // Rounds an edge that differs from the edge of a pixel by the rounding of the text only, which has six digits.
+  cv::Point2d snap(const cv::Point2d& corner) const {
+    constexpr double kTextRounding = 1e-6;  // fraction of the image
+    const auto snap_side = [](double value, int side) {
+      return std::abs(value - std::round(value)) <= kTextRounding * side ? std::round(value) : value;
+    };
+    return {snap_side(corner.x, labels_.size().width), snap_side(corner.y, labels_.size().height)};
+  }
+
   void add_box(const TextLine& line, const std::string& frame, Label label) {
     const cv::Point2d center = to_pixels(line.number(1), line.number(2)),
                       half = 0.5 * to_pixels(line.number(3), line.number(4));
-    labels_.add_box(frame, std::move(label), center - half, center + half);
+    labels_.add_box(frame, std::move(label), snap(center - half), snap(center + half));
   }
 
   ImageLabels labels_;
@@ -213,7 +232,7 @@ NamedLabels read_yolo(const LabelFolder& folder, const Drive& drive) {
     names.push_back(file.filename().string());
     layout.add_file(read_yolo_lines(file));
   }
-  yolo.set_layout(layout.find());
+  yolo.set_layout(layout.find(folder.folder));
   const ImageFrames frames = find_image_frames(folder.folder, names, drive);
   std::set<std::string> with_file;
   for (std::size_t i = 0; i < folder.files.size(); ++i) {

@@ -3,6 +3,7 @@
 #include "dvi/drive/outline.h"
 #include "dvi/labels/class_ids.h"
 #include "dvi/labels/class_names.h"
+#include "dvi/labels/label_folder.h"
 #include "dvi/labels/labels.h"
 #include "dvi/testing/image_folder.h"
 
@@ -54,6 +55,10 @@ TEST_F(Yolo, ReadsBoxes) {
   EXPECT_EQ(labels.frames[0][0].type, "class 2");
   EXPECT_THAT(labels.frames[1], IsEmpty());
   EXPECT_EQ(labels.frames[3].size(), 1U);
+  write("003", "2 0.266667 0.45 0.133333 0.3");  // 6 digits of 4/15 and 2/15
+  Drive small = four_images();
+  small.camera.width = 15, small.camera.height = 10;
+  EXPECT_EQ(*read_labels(folder.path / "p", small).frames[3][0].rect, cv::Rect2d(3, 3, 2, 3));
   EXPECT_THAT(labels.warnings, ElementsAre("labels: 1 of 4 frames have no label file and count as frames without objects: 2"));
   EXPECT_EQ(labels.files.size(), 3U);
 }
@@ -139,6 +144,13 @@ TEST_F(Yolo, FindsTheFolderOfTheCamera) {
   EXPECT_EQ(labels.frames[0].size(), 1U);
   EXPECT_THAT(labels.frames[1], IsEmpty());
   EXPECT_FALSE(holds_labels(folder.path / "p", "left")) << "the labels are of other cameras";
+  Drive rear = four_images();
+  rear.camera_name = "rear";
+  EXPECT_TRUE(attach_camera_labels(rear, folder.path / "p"));
+  EXPECT_EQ(rear.frames[1].labels.size(), 1U);
+  rear.camera_name = "left";
+  EXPECT_FALSE(attach_camera_labels(rear, folder.path / "p"));
+  EXPECT_FALSE(attach_camera_labels(rear, folder.path / "p/labels/front")) << "without a folder per camera";
 }
 
 TEST_F(Yolo, ReportsTheMalformedLine) {
@@ -155,6 +167,13 @@ TEST_F(Yolo, ReportsTheMalformedLine) {
   fs::remove(folder.path / "p/labels/000.txt");
   write("street_7", "0 0.1 0.1 0.1 0.1\n");
   EXPECT_THAT(error(), AllOf(HasSubstr("no image of the drive"), HasSubstr("street_7.txt"), HasSubstr("000")));
+}
+
+TEST_F(Yolo, RefusesKeypoints) {
+  std::string line = "0 0.5 0.5 0.25 0.2";
+  for (int i = 0; i < 17; ++i) line += " 0.4 0.5 0.9";
+  write("000", line + "\n" + line + "\n" + line + "\n");
+  EXPECT_THAT(error(), AllOf(HasSubstr("labels"), HasSubstr("keypoints of people"), HasSubstr("yolo segment")));
 }
 
 TEST_F(Yolo, AcceptsOnlyEmptyFiles) {

@@ -183,6 +183,7 @@ std::string describe_nothing_removed(const Drive& drive, MaskSource source, cons
   if (source == MaskSource::labels)
     return fmt::format("its labels ({} in {} frames) remove nothing{}", labels, drive.frames.size(),
                        labels > 0 && options.remove == Remove::moving ? ": no labeled object moves" : "");
+  if (!drive.mask_video.empty()) return "its video of masks is black and removes nothing";
   return fmt::format(
       "its {} mask files are empty and remove nothing",
       std::count_if(drive.mask_files.begin(), drive.mask_files.end(), [](const fs::path& file) { return !file.empty(); }));
