@@ -142,7 +142,7 @@ TEST_F(MaskSourcesOf, ContradictionsAndMissingSourcesAreNamed) {
     EXPECT_THAT([&] { attach(masks); }, ThrowsMessage<UsageError>(HasSubstr(text)));
   };
   usage_error({"white:" + path("a"), "black:" + path("a")}, "contradict each other");
-  usage_error({"white:" + path("first.json")}, "only folders of mask files have a polarity");
+  usage_error({"white:" + path("first.json")}, "only mask files have a polarity");
   EXPECT_THAT(input_error([&] { attach({"found", path("nowhere")}); }), HasSubstr("does not exist"));
   EXPECT_THAT(input_error([&] { attach({"found", "labels"}); }), HasSubstr("has no labels"));
   drive.scan_headers.clear();
