@@ -65,7 +65,8 @@ OptionTable Job::table() {
   table.add(
       "masks", read.masks,
       "Determines the removed objects: auto (the drive's mask files, else its labels, else moving objects), labels, found "
-      "(moving objects), none, DIR (PNG masks, LabelMe), or FILE (labels: KITTI, MOTS, COCO, CVAT, boxes.json). The union of "
+      "(moving objects), none, DIR (PNG masks, LabelMe, labels of points), or FILE (labels: KITTI, MOTS, COCO, CVAT, "
+      "boxes.json). The union of "
       "several values is removed; white:DIR and black:DIR state the polarity of one folder.");
   table.add(
       "polarity", read.mask_files.polarity,
