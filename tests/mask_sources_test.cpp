@@ -52,7 +52,9 @@ TEST_F(MaskSourcesOption, ARunStatesTheSourcesOfEachObjectAndPassesTheAudit) {
   std::map<std::string, int> objects;
   for (const nlohmann::json& object : list) {
     ++objects[object.at("evidence").get<std::string>()];
-    if (object.at("evidence") == "found") EXPECT_EQ(object.at("motion"), "moving");
+    if (object.at("evidence") == "found") {
+      EXPECT_EQ(object.at("motion"), "moving");
+    }
   }
   EXPECT_GT(objects["labels"], 0);
   EXPECT_EQ(objects["labels"] + objects["found"], static_cast<int>(list.size()));
@@ -70,6 +72,7 @@ TEST_F(MaskSourcesOption, BadSourcesAreRefusedWithOneLine) {
   EXPECT_EQ(both.code, 2);
   EXPECT_THAT(both.err, HasSubstr("contradict each other"));
   EXPECT_THAT(dvi("check drive --quiet --masks labels --masks auto").out, HasSubstr("from files, labels"));
+  EXPECT_THAT(dvi("check drive --quiet --masks labels --masks found").out, HasSubstr("dvi run also finds moving objects"));
 }
 
 }  // namespace

@@ -116,6 +116,15 @@ CheckReport make_report(const inputs::Recording& open, const inputs::PoseChoice&
   return out;
 }
 
+// Returns whether moving objects are one more source of masks in a run.
+bool adds_moving_objects(const MaskSources& sources, const std::vector<job::MasksFrom>& named) {
+  using Kind = job::MasksFrom::Kind;
+  const bool is_given = sources.contains(MaskSource::files) || sources.contains(MaskSource::labels);
+  return !sources.empty() && std::any_of(named.begin(), named.end(), [&](const job::MasksFrom& from) {
+    return from.kind == Kind::found || (from.kind == Kind::automatic && !is_given);
+  });
+}
+
 // A report of one drive does not repeat its name in each warning.
 std::string remove_name(const std::string& warning, const inputs::Recording& open) {
   const std::string name = inputs::name_of(open) + ": ";
@@ -127,8 +136,9 @@ std::string describe_masks(const CheckReport& report) {
   for (const auto& [type, count] : report.objects) objects.push_back(fmt::format("{} {}", count, type));
   const std::string what = objects.empty() ? "" : fmt::format(" ({})", fmt::join(objects, ", "));
   if (report.mask_source != "none")
-    return fmt::format("from {}{}: {:.1f} % of the image on average, {:.1f} % at most", report.mask_source, what,
-                       100 * report.mean_masked, 100 * report.largest_masked);
+    return fmt::format("from {}{}: {:.1f} % of the image on average, {:.1f} % at most{}", report.mask_source, what,
+                       100 * report.mean_masked, 100 * report.largest_masked,
+                       report.finds_moving ? "; dvi run also finds moving objects" : "");
   return report.scans > 0 ? "none: dvi run finds moving objects; dvi mask shows them" : "none";
 }
 
@@ -202,6 +212,7 @@ std::string to_json(const CheckReport& r) {
       {"ready", r.ready},
       {"warnings", r.warnings}};
   if (r.place) j["place"] = result::place_json(*r.place);
+  j["masks"]["finds_moving"] = r.finds_moving;
   if (r.coverage) j["coverage"] = *r.coverage;
   return json_text(j);
 }
@@ -221,6 +232,7 @@ CheckReport check(const job::Job& given, bool with_coverage, Progress& progress)
   const std::size_t known = progress.warnings().size();
   const objects::Masks masks = inputs::find_masks(drives, poses, job, progress);
   CheckReport report = make_report(drives.front(), choice, masks);
+  report.finds_moving = !drive.scan_headers.empty() && adds_moving_objects(drives.front().masks_from, job.read.masks);
   const auto removed = objects::list_removed_objects(inputs::evidence_of(drives.front(), poses.front().world_from_lidar),
                                                      masks.front().objects, job.options.masks);
   for (const std::string& warning : objects::describe_incomplete(objects::count_objects(removed), report.mask_source))

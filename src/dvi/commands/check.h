@@ -32,6 +32,7 @@ struct CheckReport {
   std::string mask_source;                      ///< the names of its mask sources, or "none"
   std::map<std::string, std::size_t> objects;   ///< number of labeled tracks by class
   double mean_masked = 0, largest_masked = 0;   ///< shares of an image
+  bool finds_moving = false;                    ///< whether a run also removes moving objects, which a check does not find
   bool ready = false;                           ///< whether a run is possible
   std::vector<std::string> warnings;
   std::vector<std::string> pictures;       ///< files, if requested

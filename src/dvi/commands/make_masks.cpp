@@ -66,7 +66,7 @@ nlohmann::json tracks_json(const inputs::Recording& open, const FrameLabels& rem
   FrameLabels labels = is_given ? drive.labels() : FrameLabels(drive.frames.size());
   for (std::size_t i = 0; i < labels.size(); ++i)
     std::copy_if(removed[i].begin(), removed[i].end(), std::back_inserter(labels[i]),
-                 [](const Label& label) { return label.source == MaskSource::found; });
+                 [](const Label& label) { return is_of_scans(label.source); });
   std::set<int> gone;
   for (const std::vector<Label>& frame : removed)
     for (const Label& label : frame) gone.insert(label.track);

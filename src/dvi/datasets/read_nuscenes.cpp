@@ -214,6 +214,8 @@ Scan read_compensated_scan(const ScanHeader& header) {
   for (const Eigen::Vector3f& p : cloud.points) scan.points.emplace_back(p.y(), -p.x(), p.z());
   scan.intensity = std::move(cloud.intensity);
   scan.ring = std::move(cloud.ring);
+  scan.file_points = cloud.file_points;
+  scan.file_index = std::move(cloud.file_index);
   scan.time.assign(scan.size(), 0.0F);
   return scan;
 }

@@ -83,6 +83,8 @@ Scan to_scan(media::PointCloud cloud, const ScanHeader& header, const Rotation& 
   scan.points = std::move(cloud.points);
   scan.intensity = std::move(cloud.intensity);
   scan.ring = std::move(cloud.ring);
+  scan.file_points = cloud.file_points;
+  scan.file_index = std::move(cloud.file_index);
   return scan;
 }
 

@@ -11,6 +11,7 @@
 #include "dvi/core/lazy.h"
 #include "dvi/drive/given_map.h"
 #include "dvi/drive/label.h"
+#include "dvi/drive/point_labels.h"
 #include "dvi/drive/scan.h"
 #include "dvi/drive/sensor.h"
 #include "dvi/geometry/camera.h"
@@ -81,6 +82,8 @@ struct Drive {
   Lazy<Scan> scans;        ///< one per scan header
   Lazy<GivenMap> map;      ///< one item if the drive has a static map instead of scans; otherwise empty
   Lazy<cv::Mat1b> masks;   ///< one per frame, 255 = remove; empty if the drive has none
+  /// One per scan header: the labels of its returns on removed objects; empty if the drive has none.
+  Lazy<PointLabels> point_labels = {};
 
   /// The file of `map`; empty if there is none.
   std::filesystem::path map_file;

@@ -11,14 +11,17 @@
 namespace dvi {
 
 /// A source of masks. files: mask files. labels: labels of the drive and label files. detected: a network that detects objects
-/// in the images. found: motion segmentation in scans and images. reprojected: the masks of the rig's first camera
-/// (objects/reprojected_mask.h).
-enum class MaskSource : std::uint8_t { files, labels, detected, found, reprojected };
+/// in the images. points: labels of the returns in the scans. found: motion segmentation in scans and images. reprojected: the
+/// masks of the rig's first camera (objects/reprojected_mask.h).
+enum class MaskSource : std::uint8_t { files, labels, detected, points, found, reprojected };
 constexpr auto names_of(MaskSource) {
-  return std::array{std::pair{MaskSource::files, "files"}, std::pair{MaskSource::labels, "labels"},
-                    std::pair{MaskSource::detected, "detector"}, std::pair{MaskSource::found, "found"},
-                    std::pair{MaskSource::reprojected, "reprojected"}};
+  return std::array{std::pair{MaskSource::files, "files"},       std::pair{MaskSource::labels, "labels"},
+                    std::pair{MaskSource::detected, "detector"}, std::pair{MaskSource::points, "points"},
+                    std::pair{MaskSource::found, "found"},       std::pair{MaskSource::reprojected, "reprojected"}};
 }
+
+/// Returns whether a source shows objects in scans.
+constexpr bool is_of_scans(MaskSource source) { return source == MaskSource::points || source == MaskSource::found; }
 
 /// The sources whose union is removed from the images of a camera.
 using MaskSources = std::set<MaskSource>;

@@ -12,6 +12,8 @@
 #include "dvi/labels/labels.h"
 #include "dvi/labels/mask_folder.h"
 #include "dvi/labels/mask_reading.h"
+#include "dvi/labels/scan_labels.h"
+#include "dvi/objects/merge_labels.h"
 
 namespace dvi::inputs {
 namespace {
@@ -23,7 +25,8 @@ struct NamedSources {
   bool files = false;                   // the drive's own mask files
   bool labels = false;                  // the drive's own labels
   bool found = false;                   // moving objects
-  std::vector<job::MasksFrom> folders;  // of mask files, or videos of masks
+  std::vector<job::MasksFrom> folders;  // folders of mask files, or videos of masks
+  std::vector<fs::path> point_folders;  // folders of labels of points
   std::vector<fs::path> label_files;    // or folders of label files
 };
 
@@ -39,7 +42,8 @@ void name_automatic(const Drive& drive, MaskNeed need, NamedSources& out) {
 void name_path(const Drive& drive, const job::MasksFrom& from, NamedSources& out) {
   if (!fs::exists(from.path))
     throw InputError(from.path, "does not exist", "--masks takes a folder, a file, labels, found, auto or none");
-  if (!labels::holds_labels(from.path, drive.camera_name)) {
+  const auto point_folder = fs::is_directory(from.path) ? labels::find_point_label_folder(from.path) : std::nullopt;
+  if (!point_folder && !labels::holds_labels(from.path, drive.camera_name)) {
     const auto same = std::find_if(out.folders.begin(), out.folders.end(), [&](const auto& o) { return o.path == from.path; });
     if (same == out.folders.end())
       out.folders.push_back(from);
@@ -49,8 +53,9 @@ void name_path(const Drive& drive, const job::MasksFrom& from, NamedSources& out
   }
   if (from.polarity != labels::Polarity::automatic)
     throw UsageError("--masks " + to_string(from) + ": only mask files have a polarity");
-  if (std::find(out.label_files.begin(), out.label_files.end(), from.path) == out.label_files.end())
-    out.label_files.emplace_back(from.path);
+  std::vector<fs::path>& named = point_folder ? out.point_folders : out.label_files;
+  const fs::path path = point_folder.value_or(from.path);
+  if (std::find(named.begin(), named.end(), path) == named.end()) named.push_back(path);
 }
 
 NamedSources name_sources(const Drive& drive, const job::ReadChoice& choice, MaskNeed need) {
@@ -70,18 +75,6 @@ NamedSources name_sources(const Drive& drive, const job::ReadChoice& choice, Mas
   return out;
 }
 
-// Appends labels whose tracks are numbered after those of the others.
-void append_labels(std::vector<std::vector<Label>> more, FrameLabels& labels) {
-  int next = 0;
-  for (const std::vector<Label>& frame : labels)
-    for (const Label& label : frame) next = std::max(next, label.track + 1);
-  for (std::size_t i = 0; i < labels.size(); ++i)
-    for (Label& label : more[i]) {
-      if (label.track >= 0) label.track += next;
-      labels[i].push_back(std::move(label));
-    }
-}
-
 // Replaces the drive's labels by those of files, or of folders with one file per image, or adds these to them.
 void attach_labels(Drive& drive, const std::vector<fs::path>& files, bool and_own) {
   FrameLabels labels = and_own ? drive.labels() : FrameLabels(drive.frames.size());
@@ -91,7 +84,7 @@ void attach_labels(Drive& drive, const std::vector<fs::path>& files, bool and_ow
     if (read.has_only_unknown_frames)
       throw InputError(path, "has no labels of the drive: " + read.warnings.front(),
                        "give the labels of this drive, or name its images as the labels do");
-    append_labels(std::move(read.frames), labels);
+    objects::append(labels, std::move(read.frames), objects::next_track(labels));
     drive.warnings.insert(drive.warnings.end(), read.warnings.begin(), read.warnings.end());
     if (const Gap& gap = read.frames_after_last; !gap.frames.empty())
       drive.warnings.push_back(gap.what + " " + format_ranges(gap.frames));
@@ -125,8 +118,9 @@ void select_classes(Drive& drive, const MaskSources& sources, const job::ReadCho
   if (has_labels && (classes.empty() || choice.is_source)) labels::warn_of_unknown_types(drive);
   if (classes.empty() || choice.is_source) return;
   if (has_labels) return labels::keep_label_types(drive, classes);
-  if (!sources.contains(MaskSource::files) && !sources.contains(MaskSource::detected))
-    throw UsageError("--classes " + classes + ": the drive has neither mask files nor labels to choose from");
+  for (const MaskSource source : {MaskSource::files, MaskSource::points, MaskSource::detected})
+    if (sources.contains(source)) return;
+  throw UsageError("--classes " + classes + ": the drive has neither mask files nor labels to choose from");
 }
 
 // Reports a drive of whose objects no source shows anything.
@@ -166,11 +160,15 @@ MaskSources attach_mask_sources(Drive& drive, const job::ReadChoice& choice, Mas
   MaskSources sources;
   if (named.files || !named.folders.empty()) sources.insert(MaskSource::files);
   if (named.labels || !named.label_files.empty()) sources.insert(MaskSource::labels);
+  if (!named.point_folders.empty()) sources.insert(MaskSource::points);
   if (named.found) sources.insert(MaskSource::found);
   if (!choice.detector.empty()) sources.insert(MaskSource::detected);
   if (sources.empty()) report_missing(drive, choice, need);
   attach_mask_files(drive, named.folders, named.files, choice);
   if (!named.label_files.empty()) attach_labels(drive, named.label_files, named.labels);
+  if (!named.point_folders.empty())
+    labels::attach_point_labels(drive, named.point_folders,
+                                labels::select_point_classes(choice.mask_files.classes, choice.remove == job::Remove::moving));
   select_classes(drive, sources, choice);
   return sources;
 }

@@ -213,12 +213,13 @@ Recordings open_recordings(const job::Job& job, MaskNeed need, Progress& progres
 Recordings open_images(const job::Job& job, Progress& progress) {
   bound_memory(job);
   Recording open = open_recording(job.target, job.read, MaskNeed::required, progress);
-  open.masks_from.erase(MaskSource::found);  // moving objects are found in scans
+  for (const MaskSource source : {MaskSource::points, MaskSource::found}) open.masks_from.erase(source);  // they need scans
   if (open.masks_from.empty())
     throw InputError(open.drive.path, "has neither masks nor labels, and method " + to_string(job.method) + " finds none",
                      "make some with dvi mask, and give --masks DIR");
   open.drive.scan_headers.clear();
   open.drive.scans = {};
+  open.drive.point_labels = {};
   if (!job.sources.empty()) progress.warn("method " + to_string(job.method) + " does not use source drives");
   return {open};
 }
@@ -260,6 +261,7 @@ std::vector<std::string> verify(const Recordings& drives, const job::Job& job, P
           if (open.masks_from.contains(MaskSource::files)) open.drive.masks[i];
         } else {
           returns[i - frames] = count_returns(*open.drive.scans[i - frames], range);
+          if (!open.drive.point_labels.empty()) open.drive.point_labels[i - frames];
         }
       } catch (...) {
         errors[i] = std::current_exception();

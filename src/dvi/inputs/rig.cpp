@@ -103,7 +103,7 @@ MaskSources choose_mask_sources(Drive& drive, const Recording& own, const job::R
   }
   const bool boxes = own.drive.labeled_around || has_boxes(own.drive);
   for (const MaskSource source : own.masks_from)
-    if (source == MaskSource::found || (source == MaskSource::labels && boxes))
+    if (is_of_scans(source) || (source == MaskSource::labels && boxes))
       out.insert(source);
     else if (source != MaskSource::files || !out.contains(MaskSource::files))
       out.insert(MaskSource::reprojected);

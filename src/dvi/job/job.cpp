@@ -65,8 +65,9 @@ OptionTable Job::table() {
   table.add(
       "masks", read.masks,
       "Determines the removed objects: auto (the drive's mask files, else its labels, else moving objects), labels, found "
-      "(moving objects), none, DIR (masks, YOLO, Grounded-SAM-2, LabelMe), or FILE (a video of masks; labels: KITTI, MOTS, "
-      "COCO, CVAT, boxes.json). The union of several values is removed; white:PATH and black:PATH state the polarity of one.");
+      "(moving objects), none, DIR (masks, YOLO, Grounded-SAM-2, LabelMe, labels of points), or FILE (a video of masks; labels: "
+      "KITTI, MOTS, COCO, CVAT, boxes.json). The union of several values is removed; white:PATH and black:PATH state the "
+      "polarity of one.");
   table.add(
       "polarity", read.mask_files.polarity,
       "States which pixels of mask files are removed: white, black, or auto (white, unless most masks are mostly white).");

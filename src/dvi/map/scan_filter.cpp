@@ -59,11 +59,12 @@ class ScanFilter {
         more.push_back(std::move(*frame));
     const double min_range_m = options_.min_range_m.value_or(input_.drive->min_range_m());
     const double max_range_m = options_.max_range_m.value_or(input_.drive->max_range_m());
+    const auto labels = input_.drive->point_labels.empty() ? nullptr : input_.drive->point_labels[index];
     for (std::size_t i = 0; i < world.size(); ++i) {
       const float range = scan->points[i].norm();
       if (range < min_range_m || range > max_range_m)
         ++out.counts.too_near;
-      else if (nearest && is_boxed(*nearest, world[i]))
+      else if ((labels && labels->values[i] != 0) || (nearest && is_boxed(*nearest, world[i])))
         drop(world[i], Cause::boxed, out.counts.boxed, out);
       else
         judge(world[i], scan->intensity[i], nearest, more, out);

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -73,8 +74,11 @@ void keep_points(const fs::path& path, PointCloud& cloud, const char* remedy, co
   std::vector<bool> kept(points);
   for (std::size_t i = 0; i < points; ++i) kept[i] = wanted(cloud.points[i]);
   if (std::find(kept.begin(), kept.end(), false) == kept.end()) return;
-  keep_values(cloud.points, kept), keep_values(cloud.intensity, kept), keep_values(cloud.t, kept),
-      keep_values(cloud.ring, kept);
+  cloud.file_points = points;
+  cloud.file_index.resize(points);
+  std::iota(cloud.file_index.begin(), cloud.file_index.end(), 0U);
+  keep_values(cloud.file_index, kept), keep_values(cloud.points, kept), keep_values(cloud.intensity, kept),
+      keep_values(cloud.t, kept), keep_values(cloud.ring, kept);
   if (cloud.points.empty())
     throw InputError(path, fmt::format("none of its {} points is a return: all are NaN or 0 0 0", points), remedy);
 }

@@ -108,6 +108,8 @@ TEST(PointCloud, IgnoresRaysWithoutAReturn) {
   const float nan = std::nanf("");
   const PointCloud bin = read_point_cloud(
       folder.write_bin("a.bin", {nan, nan, nan, 0, 1, 2, 3, 0.5F, 0, 0, 0, 0, -4, 5.5F, 6, 1, INFINITY, 0, 0, 0}));
+  EXPECT_EQ(bin.file_points, 5U);
+  EXPECT_THAT(bin.file_index, ElementsAre(1, 3)) << "labels of points need their index";
   expect_two_points(bin);
   EXPECT_THAT(bin.intensity, ElementsAre(0.5F, 1));
   const PointCloud pcd = read_point_cloud(folder.write(

@@ -138,6 +138,12 @@ std::map<std::size_t, Cluster> find_in_boxes(const std::vector<MovingBox>& boxes
 
 }  // namespace
 
+void estimate_extent(Track& track) {
+  const MovingBox box(track);
+  track.height_m = box.height();
+  track.size_m = box.size(track);
+}
+
 std::vector<Track> collect_box_returns(const std::vector<Track>& tracks, const MovingReturns& returns) {
   const std::vector<MovingBox> boxes(tracks.begin(), tracks.end());
   std::vector<Track> out(tracks.size());

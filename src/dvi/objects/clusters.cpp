@@ -1,8 +1,12 @@
 #include "dvi/objects/clusters.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <utility>
+
+#include "dvi/drive/point_labels.h"
 
 namespace dvi::objects {
 namespace {
@@ -99,6 +103,36 @@ std::vector<Cluster> find_clusters(const ObstacleReturns& returns) {
     cluster.moving_share = static_cast<double>(counts.moving) / static_cast<double>(counts.moving + counts.stationary);
     measure(cluster);
     clusters.push_back(std::move(cluster));
+  }
+  return clusters;
+}
+
+std::vector<Cluster> find_labeled_clusters(const ObstacleReturns& returns) {
+  std::map<std::pair<const PointClass*, std::uint32_t>, std::vector<std::size_t>> objects;  // returns by kind and instance
+  for (std::size_t i = 0; i < returns.label.size(); ++i)
+    if (const std::uint32_t label = returns.label[i]; label != 0)
+      objects[{find_point_class(class_of_point(label)), label >> 16U}].push_back(i);
+  std::vector<Cluster> clusters;
+  for (const auto& [key, members] : objects) {
+    std::vector<Eigen::Vector3d> points;
+    for (const std::size_t i : members) points.push_back(returns.points[i]);
+    const std::vector<int> groups = group_by_distance(points, kClustering.square_m);
+    std::map<int, std::pair<Cluster, std::map<int, std::size_t>>> found;
+    for (std::size_t k = 0; k < members.size(); ++k) {
+      auto& [cluster, classes] = found[groups[k]];
+      add(cluster, returns, members[k]);
+      ++classes[class_of_point(returns.label[members[k]])];
+    }
+    for (auto& [group, entry] : found) {
+      auto& [cluster, classes] = entry;
+      if (cluster.points.size() < kClustering.min_moving_returns) continue;
+      cluster.moving_share = 1;
+      cluster.label_class = std::max_element(classes.begin(), classes.end(), [](const auto& a, const auto& b) {
+                              return a.second < b.second;
+                            })->first;
+      measure(cluster);
+      clusters.push_back(std::move(cluster));
+    }
   }
   return clusters;
 }

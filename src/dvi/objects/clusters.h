@@ -17,6 +17,7 @@ struct Cluster {
   double extent_m = 0;                  ///< longer side of the bounding rectangle
   std::int64_t mean_time_ns = 0;
   double moving_share = 0;  ///< share of moving returns among those whose vote is known
+  int label_class = 0;      ///< the most frequent class of labeled returns (point_labels.h); 0 without labels
 };
 
 /// Adds return `i` to the cluster.
@@ -31,5 +32,9 @@ std::vector<int> group_by_distance(const std::vector<Eigen::Vector3d>& points, d
 /// Groups moving returns. Returns in squares of half a meter that touch, seen from above, belong to one cluster. A cluster has
 /// at least five moving returns. The returns must have votes.
 std::vector<Cluster> find_clusters(const ObstacleReturns& returns);
+
+/// Groups labeled returns in the same way, those of different instances and of different kinds of traffic separately. They
+/// count as moving, so that only their track shows whether they move.
+std::vector<Cluster> find_labeled_clusters(const ObstacleReturns& returns);
 
 }  // namespace dvi::objects

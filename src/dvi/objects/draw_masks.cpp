@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -59,18 +60,37 @@ Lazy<cv::Mat1b> draw_shown(const CameraRef& ref, const CameraObjects& found, con
   return refine_masks(ref, images, {nullptr, options.masks.shadows}, progress);
 }
 
-// Draws the masks of moving objects, with their shadows.
-Lazy<cv::Mat1b> draw_moving(const CameraRef& ref, const CameraObjects& found, const RemovalOptions& options,
-                            Progress& progress) {
-  const Lazy<cv::Mat1b> images = draw_plain_masks(ref.camera().restricted_to({MaskSource::found}), found.labels, options);
-  return refine_masks(ref, images, {found.labels, options.masks.shadows}, progress);
+// Returns the labels of objects that the scans show, either those that move or the others.
+FrameLabels select_scan_objects(const CameraObjects& found, bool moving) {
+  std::set<int> numbers;
+  for (const ObjectMotion& motion : found.motions)
+    if (motion.state == MotionState::moving) numbers.insert(motion.object);
+  FrameLabels out = *found.labels;
+  for (std::vector<Label>& frame : out)
+    std::erase_if(frame, [&](const Label& label) {
+      const bool moves = label.source == MaskSource::found || numbers.contains(label.track);
+      return !is_of_scans(label.source) || moves != moving;
+    });
+  return out;
+}
+
+// Draws the masks of objects that the scans show. Moving ones are refined in the images and have their shadows. Images do not
+// show the background of stationary ones, for a comparison.
+Lazy<cv::Mat1b> draw_scan_objects(const CameraRef& ref, const CameraObjects& found, const RemovalOptions& options,
+                                  Progress& progress) {
+  const CameraEvidence own = ref.camera().restricted_to({MaskSource::points, MaskSource::found});
+  const Lazy<cv::Mat1b> images = refine_masks(ref, draw_plain_masks(own, shared(select_scan_objects(found, true)), options),
+                                              {found.labels, options.masks.shadows}, progress);
+  const SharedLabels stationary = shared(select_scan_objects(found, false));
+  return has_labels(*stationary) ? unite(images, draw_object_masks(own, stationary, options)) : images;
 }
 
 Lazy<cv::Mat1b> draw_camera(const CameraRef& ref, const Objects& objects, const RemovalOptions& options, Progress& progress) {
   const CameraEvidence& own = ref.camera();
   std::vector<Lazy<cv::Mat1b>> parts;
   if (own.shows_objects() || own.sources.empty()) parts.push_back(draw_shown(ref, objects[ref.index], options, progress));
-  if (own.has(MaskSource::found)) parts.push_back(draw_moving(ref, objects[ref.index], options, progress));
+  if (own.has(MaskSource::points) || own.has(MaskSource::found))
+    parts.push_back(draw_scan_objects(ref, objects[ref.index], options, progress));
   Lazy<cv::Mat1b> images = parts.front();
   for (std::size_t i = 1; i < parts.size(); ++i) images = unite(images, parts[i]);
   if (own.labeled_in_part) {

@@ -16,34 +16,14 @@
 #include "dvi/objects/completion/complete.h"
 #include "dvi/objects/draw_masks.h"
 #include "dvi/objects/image_masks.h"
+#include "dvi/objects/labeled_objects.h"
+#include "dvi/objects/merge_labels.h"
 #include "dvi/objects/motion_segmentation.h"
 #include "dvi/objects/past_border.h"
 #include "dvi/objects/upper_edges.h"
 
 namespace dvi::objects {
 namespace {
-
-void set_source(FrameLabels& labels, MaskSource source) {
-  for (std::vector<Label>& frame : labels)
-    for (Label& label : frame) label.source = source;
-}
-
-// Returns the number after the highest track number.
-int next_track(const FrameLabels& labels) {
-  int next = 0;
-  for (const std::vector<Label>& frame : labels)
-    for (const Label& label : frame) next = std::max(next, label.track + 1);
-  return next;
-}
-
-// Appends labels frame by frame. Their tracks are numbered from `first_track` on.
-void append(FrameLabels& labels, FrameLabels more, int first_track) {
-  for (std::size_t i = 0; i < labels.size(); ++i)
-    for (Label& label : more[i]) {
-      if (label.track >= 0) label.track += first_track;
-      labels[i].push_back(std::move(label));
-    }
-}
 
 FrameLabels run_detector(const CameraEvidence& evidence, Progress& progress) {
   const Drive& drive = evidence.drive;
@@ -307,14 +287,29 @@ int next_object(const Evidence& evidence, std::size_t own, const Objects& object
   return next;
 }
 
-// Adds the moving objects of a drive to those of other sources, with the same numbers in all cameras of the drive.
-void add_moving(const Evidence& evidence, std::size_t own, std::vector<FrameLabels>& moving, Objects& objects) {
+// The objects that the scans of a drive show in the frames of a camera.
+struct ScanObjects {
+  FrameLabels labels;  // empty: the camera does not use them
+  std::vector<ObjectMotion> motions{};
+};
+
+// Finds the labeled objects in the frames of a camera. `tracks` holds those that are known, by own camera.
+ScanObjects find_labeled(const SearchInput& input, std::size_t index, std::map<std::size_t, LabeledTracks>& tracks) {
+  const std::size_t own = input.evidence.own_camera(index);
+  const auto [entry, is_new] = tracks.try_emplace(own);
+  if (is_new) entry->second = find_labeled_tracks({input.evidence, own}, input.options, input.progress);
+  return {draw_labeled_tracks({input.evidence, index}, entry->second, input.options), entry->second.motions()};
+}
+
+// Adds the objects in the scans of a drive to those of other sources, with the same numbers in all cameras of the drive.
+void add_scan_objects(const Evidence& evidence, std::size_t own, std::vector<ScanObjects>& found, Objects& objects) {
   const int first = next_object(evidence, own, objects);
   for (std::size_t i = own; i < evidence.size(); ++i) {
-    if (evidence.own_camera(i) != own || moving[i].empty()) continue;
+    if (evidence.own_camera(i) != own || found[i].labels.empty()) continue;
     FrameLabels labels = *objects[i].labels;
-    append(labels, std::move(moving[i]), first);
+    append(labels, std::move(found[i].labels), first);
     objects[i].labels = shared(std::move(labels));
+    for (const ObjectMotion& motion : found[i].motions) objects[i].motions.push_back({first + motion.object, motion.state});
   }
 }
 
@@ -322,20 +317,23 @@ void add_moving(const Evidence& evidence, std::size_t own, std::vector<FrameLabe
 
 Objects find_objects(const Evidence& evidence, const RemovalOptions& options, Progress& progress) {
   Objects objects;
-  std::vector<FrameLabels> found(evidence.size());  // moving objects per camera
+  std::vector<ScanObjects> labeled(evidence.size()), found(evidence.size());  // per camera
   const SearchInput input{evidence, options, progress};
   MovingObjects moving(input);
+  std::map<std::size_t, LabeledTracks> tracks_of;  // by own camera
   for (std::size_t i = 0; i < evidence.size(); ++i) {
     const CameraEvidence& camera = evidence[i];
     if (options.remove == Remove::moving && !camera.rig_of) warn_of_all_removed(camera, progress);
     objects.emplace_back(shared(select_objects(camera, options, progress)));
     if (!camera.rig_of) warn_of_nothing_removed(input, i, objects.back().labels, moving);
-    if (camera.has(MaskSource::found)) found[i] = moving.find_in(i);
+    if (camera.has(MaskSource::points)) labeled[i] = find_labeled(input, i, tracks_of);
+    if (camera.has(MaskSource::found)) found[i] = {moving.find_in(i)};
   }
   for (std::size_t i = 0; i < evidence.size(); ++i) {
     if (evidence[i].rig_of) continue;
     if (options.objects.complete) complete_drive(input, i, moving, objects);
-    add_moving(evidence, i, found, objects);
+    add_scan_objects(evidence, i, labeled, objects);
+    add_scan_objects(evidence, i, found, objects);
   }
   return objects;
 }

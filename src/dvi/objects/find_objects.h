@@ -12,11 +12,11 @@ namespace dvi::objects {
 using Objects = std::vector<CameraObjects>;
 
 /// Finds the objects to remove (section 3.1 of the paper), by the sources of each camera: the labeled objects, without the
-/// stationary ones with Remove::moving; the objects that the detector finds, tracked over time; and the objects that move in
-/// the scans. Each source numbers its objects after those of the sources before it. Objects that masks, labels, or detections
-/// show in some frames are completed in all frames and cameras of their drive (completion/complete.h), which needs poses and
-/// scans. Warnings state when the motion state of objects is unknown, so that all are removed, and when objects cannot be
-/// completed.
+/// stationary ones with Remove::moving; the objects that the detector finds, tracked over time; the labeled objects in the
+/// scans; and the objects that move in the scans. Each source numbers its objects after those of the sources before it. Objects
+/// that masks, labels, or detections show in some frames are completed in all frames and cameras of their drive
+/// (completion/complete.h), which needs poses and scans. Warnings state when the motion state of objects is unknown, so that
+/// all are removed, and when objects cannot be completed.
 Objects find_objects(const Evidence& evidence, const RemovalOptions& options, Progress& progress);
 
 }  // namespace dvi::objects

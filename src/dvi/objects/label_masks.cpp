@@ -77,7 +77,7 @@ Lazy<cv::Mat1b> draw_label_masks(const Drive& drive, const MaskSources& sources,
             cv::Mat1b dilated(camera.height, camera.width, uchar{0}), exact(dilated.clone());
             for (Label label : (*objects)[i]) {
               if (!sources.contains(label.source)) continue;
-              const bool is_outlined = label.source == MaskSource::found;
+              const bool is_outlined = is_of_scans(label.source);
               if (is_outlined) label.box.reset();  // the outline includes the ground
               (is_outlined ? exact : dilated) |= draw_label(label, camera, pose, options);
             }

@@ -1,8 +1,12 @@
 #include "dvi/objects/motion_segmentation.h"
 
+#include <algorithm>
+#include <map>
+#include <string_view>
 #include <utility>
 
 #include "dvi/core/threads.h"
+#include "dvi/drive/point_labels.h"
 #include "dvi/objects/box_returns.h"
 #include "dvi/objects/contradictions.h"
 #include "dvi/objects/occluded_returns.h"
@@ -36,6 +40,39 @@ MotionSegmentation segment_motion(MovingReturns& returns, const Tick& tick) {
   std::erase_if(out.tracks, [](const Track& track) { return !is_moving_object(track); });
   out.tracks = add_occluded_returns(collect_box_returns(out.tracks, returns), returns);
   return out;
+}
+
+std::vector<Track> track_labeled(const MovingReturns& returns, const Tick& tick) {
+  Tracker tracker([](const Track&) { return true; });
+  for_blocks(returns.scans(), [&](std::size_t first, std::size_t last) {
+    std::vector<std::vector<Cluster>> clusters(last - first);
+    parallel_for(clusters.size(), [&](std::size_t i) {
+      clusters[i] = find_labeled_clusters(*returns.obstacles(first + i));
+      for (Cluster& cluster : clusters[i]) cluster.scan = first + i;
+    });
+    for (std::size_t i = first; i < last; ++i) {
+      tracker.add(std::move(clusters[i - first]));
+      tick();
+    }
+  });
+  std::vector<Track> tracks = tracker.finish();
+  for (Track& track : tracks) estimate_extent(track);
+  return add_occluded_returns(tracks, returns);
+}
+
+bool is_moving_labeled(const Track& track) {
+  const auto moves = [](const Cluster& cluster) { return is_moving_point_class(cluster.label_class); };
+  const auto moving = std::count_if(track.observations.begin(), track.observations.end(), moves);
+  return 2 * static_cast<std::size_t>(moving) > track.observations.size();
+}
+
+std::string label_type(const Track& track) {
+  std::map<std::string_view, std::size_t> counts;
+  for (const Cluster& cluster : track.observations)
+    if (const PointClass* found = find_point_class(cluster.label_class)) ++counts[found->type];
+  const auto most =
+      std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most == counts.end() ? "" : std::string(most->first);
 }
 
 FrameLabels draw_outlines(const std::vector<Track>& tracks, const Drive& drive, const Trajectory& world_from_lidar,

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "dvi/core/interrupt.h"
 #include "dvi/core/options.h"
 #include "dvi/objects/moving_returns.h"
@@ -18,6 +21,15 @@ struct MotionSegmentation {
 /// wrong poses are excluded from further comparisons. Calls `tick` once per scan. Method:
 /// docs/algorithms/motion_segmentation.md.
 MotionSegmentation segment_motion(MovingReturns& returns, const Tick& tick);
+
+/// Tracks the labeled returns of all scans (PointLabels), whether they move or not. Calls `tick` once per scan.
+std::vector<Track> track_labeled(const MovingReturns& returns, const Tick& tick);
+
+/// Returns whether most observations of a labeled track have a class of moving objects.
+bool is_moving_labeled(const Track& track);
+
+/// Returns the class of a labeled track for Label::type; empty if the labels do not state it.
+std::string label_type(const Track& track);
 
 /// Draws the outlines of tracks into the images of a drive, per frame. The track number of a label is the index in `tracks`.
 /// `footprint_m` is the width of the ground around an object that belongs to it, with wheels and the darkest part of the

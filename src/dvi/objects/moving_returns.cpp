@@ -121,6 +121,7 @@ ObstacleReturns MovingReturns::extract_obstacles(std::size_t scan) const {
   const auto returns = drive_.scans[scan];
   const ScanHeader& header = drive_.scan_headers[scan];
   const std::vector<Eigen::Vector3d> world = to_world(*returns, header, world_from_lidar_);
+  const auto labels = drive_.point_labels.empty() ? nullptr : drive_.point_labels[scan];
   for (std::size_t i = 0; i < world.size(); ++i) {
     const float range = returns->points[i].norm();
     if (static_cast<double>(range) < kVoting.min_range_m || range > FreeSpace::kMaxRangeM) continue;
@@ -130,6 +131,7 @@ ObstacleReturns MovingReturns::extract_obstacles(std::size_t scan) const {
     out.time_ns.push_back(header.time_ns + std::llround(1e9 * static_cast<double>(returns->time[i])));
     out.ground.push_back(*ground);
     out.ray_spacing_m.push_back(static_cast<double>(ray_spacing_rad * range));
+    if (labels) out.label.push_back(labels->values[i]);
   }
   return out;
 }

@@ -25,9 +25,10 @@ struct ObstacleReturns {
   std::vector<double> ground;           ///< per point: height of the ground below, meters, world axes
   std::vector<double> ray_spacing_m;    ///< per point: distance to the next ray above
   std::vector<VisibilityVote> vote;     ///< per point; empty without a comparison with other scans
+  std::vector<std::uint32_t> label;     ///< per point: PointLabels::values; empty if the drive has none
 
   std::size_t bytes() const {
-    return bytes_of(points) + bytes_of(time_ns) + bytes_of(ground) + bytes_of(ray_spacing_m) + bytes_of(vote);
+    return bytes_of(points) + bytes_of(time_ns) + bytes_of(ground) + bytes_of(ray_spacing_m) + bytes_of(vote) + bytes_of(label);
   }
 };
 

@@ -42,7 +42,10 @@ StaticReturns find_static_returns(const StaticScene& scene, std::size_t scan) {
   StaticReturns out;
   if (!pose) return out;
   const std::vector<Box> boxes = find_boxes(scene, header.time_ns);
-  for (const Eigen::Vector3d& x : world) {
+  const auto labels = scene.drive.point_labels.empty() ? nullptr : scene.drive.point_labels[scan];
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    if (labels && labels->values[i] != 0) continue;
+    const Eigen::Vector3d& x = world[i];
     const double range = (x - pose->t).norm();
     if (range < scene.drive.min_range_m() || range > kStaticDepth.max_range_m) continue;
     const auto height = scene.ground->height(x.head<2>());

@@ -155,13 +155,13 @@ void Tracker::add(std::vector<Cluster> clusters) {
     return seconds_between(track.observations.back().mean_time_ns, now) < kTracking.max_gap_s;
   });
   for (auto track = ended; track != active_.end(); ++track)
-    if (is_moving_object(*track)) ended_.push_back(std::move(*track));
+    if (is_object_(*track)) ended_.push_back(std::move(*track));
   active_.erase(ended, active_.end());
 }
 
 std::vector<Track> Tracker::finish() {
   for (Track& track : active_)
-    if (is_moving_object(track)) ended_.push_back(std::move(track));
+    if (is_object_(track)) ended_.push_back(std::move(track));
   active_.clear();
   return std::move(ended_);
 }

@@ -46,12 +46,15 @@ bool is_moving_object(const Track& track);
 /// track that is unobserved for more than half a second ends.
 class Tracker {
  public:
+  /// Keeps the tracks for which `is_object` holds.
+  explicit Tracker(bool (*is_object)(const Track&) = is_moving_object) : is_object_(is_object) {}
   /// Adds the clusters of the next scan.
   void add(std::vector<Cluster> clusters);
-  /// Returns the tracks of moving objects.
+  /// Returns the tracks of objects.
   std::vector<Track> finish();
 
  private:
+  bool (*is_object_)(const Track&);
   std::vector<Track> active_, ended_;
 };
 

@@ -26,6 +26,11 @@ double elevation_deg(int beam, int beams) {
   return beams == 1 ? -5.0 : -24.8 + 26.8 * beam / (beams - 1);
 }
 
+std::uint32_t label_point(const PlacedMover& placed) {
+  return static_cast<std::uint32_t>(placed.mover->track) << 16U |
+         static_cast<std::uint32_t>(point_class_of(placed.model->type).moving);
+}
+
 }  // namespace
 
 struct Scene::World {
@@ -148,6 +153,8 @@ SynthScan Scene::scan(int frame) const {
       out.scan.time.push_back(static_cast<float>(after));
       out.scan.ring.push_back(static_cast<std::uint16_t>(beam));
       out.dynamic.push_back(seen.dynamic ? 1 : 0);
+      out.label.push_back(seen.dynamic ? label_point(tracer.movers()[static_cast<std::size_t>(seen.mover)])
+                                       : kStaticPointClass);
       out.range.push_back(static_cast<float>(seen.t));
     }
   });
@@ -159,6 +166,7 @@ SynthScan Scene::scan(int frame) const {
     append(whole.scan.time, part.scan.time);
     append(whole.scan.ring, part.scan.ring);
     append(whole.dynamic, part.dynamic);
+    append(whole.label, part.label);
     append(whole.range, part.range);
   }
   return whole;

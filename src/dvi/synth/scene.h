@@ -26,6 +26,7 @@ struct SynthFrame {
 struct SynthScan {
   Scan scan;
   std::vector<std::uint8_t> dynamic;  ///< one per point: 1 on traffic
+  std::vector<std::uint32_t> label;   ///< one per point, as in PointLabels: a moving class and the track, or kStaticPointClass
   std::vector<float> range;           ///< one per point: in meters, without noise
 };
 

@@ -1,6 +1,7 @@
 #include "dvi/synth/synth.h"
 
 #include <cmath>
+#include <cstring>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -47,7 +48,9 @@ std::string format_readme(const SynthOptions& options) {
          "truth/CAMERA/ and so on   the same of a camera that is not the first\n" +
          (options.room
               ? "poses.txt                 exact world_from_lidar of each image; axes x forward, y left, z up at the camera\n\n"
-              : "truth_points/NAME.label   uint8 per point of lidar/NAME.bin: 0 static, 1 on moving traffic\n"
+              : "truth_points/NAME.label   uint32 per point of lidar/NAME.bin, as in SemanticKITTI: 9 static, 252 to 259 on "
+                "moving\n"
+                "                          traffic, whose track is in the upper 16 bits\n"
                 "poses.txt                 exact world_from_lidar at the middle of each scan, when the image is exposed\n\n") +
          "Made with\n\n" + table.dump_toml();
 }
@@ -82,6 +85,12 @@ void write_image(const Scene& scene, int frame, std::size_t camera, const SynthF
   if (scene.options().room) media::write_png(out / "depth" / folder / png, scene.depth_image(frame, rendered));
 }
 
+std::string to_label_bytes(const std::vector<std::uint32_t>& labels) {
+  std::string bytes(labels.size() * sizeof(std::uint32_t), '\0');
+  std::memcpy(bytes.data(), labels.data(), bytes.size());
+  return bytes;
+}
+
 void write_frame(const Scene& scene, int frame, const fs::path& out) {
   for (std::size_t camera = 0; camera < scene.cameras().size(); ++camera)
     write_image(scene, frame, camera, scene.render(frame, camera), out);
@@ -89,7 +98,7 @@ void write_frame(const Scene& scene, int frame, const fs::path& out) {
   const std::string name = scene.name(frame);
   const SynthScan scan = scene.scan(frame);
   write_file(out / "lidar" / (name + ".bin"), media::to_bin_bytes(scan.scan));
-  write_file(out / "truth_points" / (name + ".label"), {scan.dynamic.begin(), scan.dynamic.end()});
+  write_file(out / "truth_points" / (name + ".label"), to_label_bytes(scan.label));
 }
 
 std::string format_true_cameras(const Scene& scene, std::size_t camera) {

@@ -55,7 +55,7 @@ TEST_F(Synth, FilesAgreeWithTheScene) {
   depth.convertTo(meters, CV_32F, 1.0 / 256);
   EXPECT_LT(cv::norm(meters, rendered.depth, cv::NORM_INF), 1.0 / 512 + 1e-6);
   EXPECT_EQ(fs::file_size(folder_ / "lidar/000001.bin"), 16 * scan.scan.size());
-  EXPECT_EQ(fs::file_size(folder_ / "truth_points/000001.label"), scan.scan.size());
+  EXPECT_EQ(fs::file_size(folder_ / "truth_points/000001.label"), 4 * scan.scan.size());
   const double noise = cv::norm(image("images/front/000001.png"), rendered.image, cv::NORM_L2) / std::sqrt(3.0 * 160 * 90);
   EXPECT_NEAR(noise, 1.5, 0.15);
   const std::vector<std::string> times = read_lines(folder_ / "times/front.txt");
