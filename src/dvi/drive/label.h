@@ -28,7 +28,7 @@ struct Label {
   std::optional<cv::Rect2d> rect;  ///< in the image
   std::optional<Instance> instance;
   MaskSource source = MaskSource::labels;  ///< of the object
-  int class_number = -1;  ///< the number of the class in the label file, by which --classes can select it
+  int class_number = -1;                   ///< the number of the class in the label file, by which --classes can select it
 };
 
 /// The labels of each frame of a drive.

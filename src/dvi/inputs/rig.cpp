@@ -150,8 +150,7 @@ Recording open_camera(const Recordings& drives, std::size_t number, const std::s
   const bool labeled = std::any_of(drive.frames.begin(), drive.frames.end(), [](const Frame& f) { return !f.labels.empty(); });
   const auto is_path = [](const job::MasksFrom& from) { return from.kind == job::MasksFrom::Kind::path; };
   const bool names_no_path = std::none_of(choice.masks.begin(), choice.masks.end(), is_path);
-  const bool has_own_labels =
-      has_given_labels || (labeled && drive.labeled_around && (choice.is_source || names_no_path));
+  const bool has_own_labels = has_given_labels || (labeled && drive.labeled_around && (choice.is_source || names_no_path));
   if (open.masks_from.contains(MaskSource::labels) && !has_own_labels) {
     share_boxes(own.drive, drive);
     open.labeled_in_part = !drive.labeled_around;

@@ -65,7 +65,8 @@ OptionTable Job::table() {
   table.add(
       "masks", read.masks,
       "Determines the removed objects: auto (the drive's mask files, else its labels, else moving objects), labels, found "
-      "(moving objects), none, DIR (masks, YOLO, Grounded-SAM-2, LabelMe, labels of points), or FILE (a video of masks; labels: "
+      "(moving objects), none, DIR (masks, YOLO, Grounded-SAM-2, LabelMe, labels of points), or FILE (a video of masks; "
+      "labels: "
       "KITTI, MOTS, COCO, CVAT, boxes.json). The union of several values is removed; white:PATH and black:PATH state the "
       "polarity of one.");
   table.add(

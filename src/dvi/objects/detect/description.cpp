@@ -14,8 +14,8 @@ namespace {
 
 // Objects that are removed to protect people, beside traffic.
 const std::set<std::string, std::less<>>& private_classes() {
-  static const std::set<std::string, std::less<>> names{"face",          "head",          "plate",         "license plate",
-                                                        "license-plate", "license_plate", "licence plate", "licence_plate",
+  static const std::set<std::string, std::less<>> names{"face",          "head",          "plate",
+                                                        "license plate", "license-plate", "license_plate",
                                                         "number plate",  "number_plate",  "numberplate"};
   return names;
 }

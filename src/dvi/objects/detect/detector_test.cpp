@@ -205,7 +205,8 @@ TEST_F(DetectorModels, DetectTheChosenClasses) {
   const Detections found = detector.detect({picture(kCar, kPerson)}).front();
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].box, kPerson);
-  EXPECT_THAT(input_error([&] { detector.choose({"bus"}); }), HasSubstr("none of its classes is removed; it has street, car, person"));
+  EXPECT_THAT(input_error([&] { detector.choose({"bus"}); }),
+              HasSubstr("none of its classes is removed; it has street, car, person"));
 }
 
 TEST_F(DetectorModels, ThatOpenCvCannotRunAreRejectedWithTheirNode) {

@@ -121,8 +121,8 @@ bool convert(const TensorData& data, Tensor& out) {
 // An input with its memory, which the library reads.
 struct Input {
   std::string name;
-  cv::Mat pixels;                      // of the image
-  std::array<std::int64_t, 2> size{};  // of an input that is the size of the image
+  cv::Mat pixels;                      // the image
+  std::array<std::int64_t, 2> size{};  // the size of the image, for an input that asks for it
   std::vector<std::int64_t> shape;
   ONNXTensorElementDataType type = ONNX_TENSOR_ELEMENT_DATA_TYPE_FLOAT;
 };

@@ -17,7 +17,8 @@ std::string read_variable(const char* name) {
   return value == nullptr ? std::string() : std::string(value);
 }
 
-// The folders that hold lib/python3.*: of environments, of programs on the PATH, of the user, and of the system.
+// Lists the folders that hold lib/python3.*: active environments, those of programs on the PATH, of the user, and of the
+// system.
 std::vector<fs::path> list_prefixes() {
   std::vector<fs::path> prefixes;
   for (const char* variable : {"VIRTUAL_ENV", "CONDA_PREFIX"})
@@ -30,7 +31,7 @@ std::vector<fs::path> list_prefixes() {
     std::error_code error;
     const fs::path python = fs::canonical(folder / "python3", error);
     if (error) continue;
-    prefixes.push_back(folder.parent_path());  // of a virtual environment
+    prefixes.push_back(folder.parent_path());  // a virtual environment
     prefixes.push_back(python.parent_path().parent_path());
   }
   if (const std::string home = read_variable("HOME"); !home.empty()) prefixes.push_back(fs::path(home) / ".local");
