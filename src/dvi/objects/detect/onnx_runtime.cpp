@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdlib>
+#include <iostream>
+#include <map>
 #include <mutex>
 #include <type_traits>
 #include <utility>
@@ -29,6 +31,18 @@ void* open_library(const std::string& name) { return dlopen(name.c_str(), RTLD_N
 
 // Returns the entry of the API of a library, or null if it is another library.
 GetApiBase find_entry(void* library) { return reinterpret_cast<GetApiBase>(dlsym(library, "OrtGetApiBase")); }
+
+// Silences std::cerr, to which Debian's libonnx writes hundreds of lines about operators that ONNX Runtime registers again.
+class QuietErrors {
+ public:
+  QuietErrors() : before_(std::cerr.rdbuf(nullptr)) {}
+  ~QuietErrors() { std::cerr.rdbuf(before_); }  // which also clears the errors of writing to nothing
+  QuietErrors(const QuietErrors&) = delete;
+  QuietErrors& operator=(const QuietErrors&) = delete;
+
+ private:
+  std::streambuf* before_;
+};
 
 // Releases an object of the API.
 template <class T>
@@ -189,6 +203,7 @@ OnnxRuntimeNetwork::OnnxRuntimeNetwork(std::shared_ptr<const LoadedRuntime> runt
   check_(api_.SetIntraOpNumThreads(options.get(), 1));
   check_(api_.SetInterOpNumThreads(options.get(), 1));
   OrtSession* session = nullptr;
+  const QuietErrors quiet;
   check_(api_.CreateSession(runtime_->env(), file.path.c_str(), options.get(), &session));
   session_ = own(session, api_.ReleaseSession);
   OrtMemoryInfo* memory = nullptr;
@@ -301,9 +316,9 @@ std::shared_ptr<const OnnxRuntime> try_load(const std::string& name) {
   return get_base == nullptr ? nullptr : make_runtime(name, get_base);
 }
 
-std::shared_ptr<const OnnxRuntime> find_runtime() {
-  if (const char* set = std::getenv("DVI_ONNXRUNTIME"); set != nullptr && *set != '\0')
-    return std::string(set) == "off" ? nullptr : OnnxRuntime::load(set);
+// Finds a library. `given` is the value of DVI_ONNXRUNTIME.
+std::shared_ptr<const OnnxRuntime> find_runtime(const std::string& given) {
+  if (!given.empty()) return given == "off" ? nullptr : OnnxRuntime::load(given);
 #ifdef DVI_LINKS_ONNX_RUNTIME
   return make_runtime(kLibraryName, &OrtGetApiBase);
 #else
@@ -330,12 +345,14 @@ std::shared_ptr<const OnnxRuntime> OnnxRuntime::load(const fs::path& file) {
 }
 
 std::shared_ptr<const OnnxRuntime> OnnxRuntime::of_process() {
+  // Libraries are kept until the process ends: some cannot be initialized twice.
   static std::mutex mutex;
-  static std::weak_ptr<const OnnxRuntime> current;
+  static auto& known = *new std::map<std::string, std::shared_ptr<const OnnxRuntime>>;  // by the value of the variable
+  const char* value = std::getenv("DVI_ONNXRUNTIME");
+  const std::string given = value == nullptr ? "" : value;
   const std::scoped_lock lock(mutex);
-  std::shared_ptr<const OnnxRuntime> runtime = current.lock();
-  if (!runtime) current = runtime = find_runtime();
-  return runtime;
+  const auto found = known.find(given);
+  return found != known.end() ? found->second : known.emplace(given, find_runtime(given)).first->second;
 }
 
 }  // namespace dvi::objects
