@@ -61,6 +61,13 @@ std::vector<metrics::StationaryObject> find_stationary_objects(const Drive& driv
   return out;
 }
 
+std::map<int, Instance> collect_outlines(const std::vector<Label>& labels) {
+  std::map<int, Instance> outlines;
+  for (const Label& label : labels)
+    if (label.instance && label.track >= 0) outlines[label.track] = *label.instance;
+  return outlines;
+}
+
 // Collects the cameras of the sources that are frames of the target drive.
 metrics::GhostScene make_scene(const fs::path& out, const inputs::Recordings& drives) {
   const Trajectory world_from_lidar = datasets::read_poses(out / "map/poses.txt", drives.front().drive);
@@ -70,8 +77,8 @@ metrics::GhostScene make_scene(const fs::path& out, const inputs::Recordings& dr
   for (const inputs::Recording& recording : drives)
     for (const Frame& frame : recording.drive.frames)
       if (const std::optional<SE3> pose = world_from_lidar.at(frame.time_ns))
-        cameras[{recording.drive.camera_name, frame.name}] = {recording.drive.camera,
-                                                              recording.drive.camera_from_lidar * pose->inverse()};
+        cameras[{recording.drive.camera_name, frame.name}] = {
+            recording.drive.camera, recording.drive.camera_from_lidar * pose->inverse(), collect_outlines(frame.labels)};
   const fs::path file = out / "sources.json";
   try {
     const nlohmann::json document = read_json(file);

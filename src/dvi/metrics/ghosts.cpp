@@ -11,6 +11,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/threads.h"
+#include "dvi/drive/outline.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/harmonize/provenance.h"
 #include "dvi/media/write_image.h"
@@ -82,7 +83,14 @@ class VisibleBoxes {
  public:
   VisibleBoxes(const std::vector<StationaryObject>& objects, const GhostSource& camera) {
     for (std::size_t i = 0; i < objects.size(); ++i)
-      if (VisibleBox box(i, objects[i].world, camera.camera_from_world); box.is_visible()) boxes_.push_back(box);
+      if (VisibleBox box(i, objects[i].world, camera.camera_from_world); box.is_visible()) {
+        boxes_.push_back(box);
+        const auto outline = camera.outlines.find(objects[i].track);
+        outlines_.emplace_back();
+        if (outline == camera.outlines.end()) continue;
+        outlines_.back() = cv::Mat1b(outline->second.size, uchar{0});
+        draw(outline->second, outlines_.back());
+      }
   }
 
   // Returns the object that a ray crosses first.
@@ -96,11 +104,12 @@ class VisibleBoxes {
   }
 
   enum class Shown { background, ghost, in_map };
-  // Determines the surface that a pixel shows whose copied point is at a depth.
-  Shown judge(const Eigen::Vector3d& ray, double depth_m) const {
+  // Determines the surface that a position in the image shows whose copied point is at a depth. `ray` is the position's.
+  Shown judge(cv::Point2f position, const Eigen::Vector3d& ray, double depth_m) const {
     Shown shown = Shown::background;
-    for (const VisibleBox& box : boxes_) {
-      const auto crossing = box.cross(ray);
+    for (std::size_t i = 0; i < boxes_.size(); ++i) {
+      if (!may_show(i, position)) continue;
+      const auto crossing = boxes_[i].cross(ray);
       if (!crossing || depth_m < crossing->entry_m - kGhost.before_m) continue;
       if (depth_m > crossing->exit_m + kGhost.behind_m) return Shown::ghost;
       shown = Shown::in_map;
@@ -109,7 +118,15 @@ class VisibleBoxes {
   }
 
  private:
+  // Whether a position is in the outline of an object, or its outline is unknown.
+  bool may_show(std::size_t i, cv::Point2f position) const {
+    const cv::Mat1b& outline = outlines_[i];
+    const cv::Point pixel(cvRound(position.x), cvRound(position.y));
+    return outline.empty() || !cv::Rect({}, outline.size()).contains(pixel) || outline(pixel) != 0;
+  }
+
   std::vector<VisibleBox> boxes_;
+  std::vector<cv::Mat1b> outlines_;  // the outlines of their objects; empty: unknown
 };
 
 struct FrameGhosts {
@@ -169,7 +186,7 @@ class FrameCounter {
     for (const cv::Point p : pixels) {
       const cv::Point2f position = decode(p).position;
       const double depth_m = (source_from_target * find_point(p)).z();
-      const auto shown = boxes.judge(source->camera.ray({position.x, position.y}), depth_m);
+      const auto shown = boxes.judge(position, source->camera.ray({position.x, position.y}), depth_m);
       ++out_.counts.copied;
       out_.counts.ghosts += shown == VisibleBoxes::Shown::ghost;
       out_.counts.in_map += shown == VisibleBoxes::Shown::in_map;

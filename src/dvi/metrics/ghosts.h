@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "dvi/core/files.h"
 #include "dvi/core/interrupt.h"
+#include "dvi/drive/label.h"
 #include "dvi/geometry/box.h"
 #include "dvi/geometry/camera.h"
 
@@ -33,6 +35,7 @@ struct StationaryObject {
 struct GhostSource {
   Camera camera;
   SE3 camera_from_world;
+  std::map<int, Instance> outlines = {};  ///< by track: the outlines of objects whose labels in this frame have one
 };
 
 /// The removed objects and the sources of a result.
@@ -80,9 +83,10 @@ struct Ghosts {
 };
 
 /// Counts the ghosts in the frames of a run (kind/, provenance/, depth/). The source pixel of a copy shows an object if its ray
-/// passes through the object's box, shrunk to its inner share, and ends behind it. Other objects that hide the box are not
-/// taken into account. Frames that are not in frames/ are left out. Calls `tick` once per frame. Throws InputError if an image
-/// is missing or differs in size from the camera, or if a pixel has a source that the scene does not have.
+/// passes through the object's box, shrunk to its inner share, and ends behind it, and if it lies in the object's outline where
+/// the source has one: beside it, the box shows the background. Other objects that hide the box are not taken into account.
+/// Frames that are not in frames/ are left out. Calls `tick` once per frame. Throws InputError if an image is missing or
+/// differs in size from the camera, or if a pixel has a source that the scene does not have.
 Ghosts count_ghosts(const fs::path& out, const GhostScene& scene, const Tick& tick = [] {});
 
 }  // namespace dvi::metrics

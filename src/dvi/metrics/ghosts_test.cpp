@@ -11,6 +11,7 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/core/threads.h"
+#include "dvi/drive/outline.h"
 #include "dvi/media/write_image.h"
 #include "dvi/metrics/evaluation.h"
 #include "dvi/metrics/test_result.h"
@@ -65,6 +66,17 @@ class Ghost : public ResultFixture {
   cv::Mat_<cv::Vec3w> provenance_{kSize, cv::Vec3w()};
   cv::Mat1w depth_{kSize, ushort{0}};
 };
+
+// Beside the outline of a car, its box shows the background.
+TEST_F(Ghost, IsNotACopyOfTheBackgroundBesideAnOutline) {
+  copy({{30, 25}, {69, 50}}, 20);
+  cv::Mat1b outline(kSize, uchar{0});
+  outline(cv::Rect(40, 33, 5, 4)) = 255;
+  scene.sources[1]->outlines[7] = to_outline(outline);
+  EXPECT_EQ(count().total.ghosts, 20U);
+  scene.sources[1]->outlines = {{8, to_outline(outline)}};
+  EXPECT_EQ(count().total.ghosts, 21U * 11) << "the outline of another object";
+}
 
 // At 20 m, a pixel of "a" is 5 px farther to the left in "b". There, the car covers x = 48 +- 50 * 1.7 / 8.3 = 37.8 to 58.2 and
 // y = 36 +- 50 * 0.85 / 8.3 = 30.9 to 41.1.
