@@ -132,6 +132,15 @@ def normalized_semantic(folder, opset):
     net.save(folder / "segformer.onnx", [("logits", FLOAT, [1, 3, SIDE // 4, SIDE // 4])])
 
 
+def separate_weights(folder, opset):
+    """A network whose weights are in another file."""
+    net = Net(opset)
+    net.conv(1, [[0, 0, 0], MAGENTA, CYAN], [0.5, -1, -1], "logits")
+    net.save(folder / "whole.onnx", [("logits", FLOAT, [1, 3, SIDE, SIDE])])
+    onnx.save_model(onnx.load(str(folder / "whole.onnx")), str(folder / "separate.onnx"), save_as_external_data=True,
+                    location="separate.data", size_threshold=0)
+
+
 def unsupported_nodes(folder, opset):
     """A node that OpenCV does not know, one that fails on images of other sizes, and a classifier."""
     net = Net(opset)
@@ -281,7 +290,7 @@ def mask_rcnn(folder, opset):
 
 def main():
     folder, opset = Path(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 12
-    for write in (semantic, normalized_semantic, unsupported_nodes, yolov5, yolov8, undecoded_yolov8, end_to_end, detr,
+    for write in (semantic, normalized_semantic, separate_weights, unsupported_nodes, yolov5, yolov8, undecoded_yolov8, end_to_end, detr,
                   mask_rcnn):
         write(folder, opset)
 

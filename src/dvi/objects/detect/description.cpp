@@ -22,11 +22,13 @@ const std::set<std::string, std::less<>>& private_classes() {
 
 // Takes the size of the input from its declared shape.
 void add_declared_size(const OnnxFile& file, Description& out) {
-  const auto image = std::find_if(file.inputs.begin(), file.inputs.end(),
-                                  [](const TensorInfo& input) { return input.type != ElementType::int64; });
-  const bool is_image =
-      image != file.inputs.end() && (image->shape.size() == 3 || image->shape.size() == 4 || image->shape.empty());
-  if (!is_image || file.inputs.size() > 2 || (!image->shape.empty() && image->shape[image->shape.size() - 3] > 3))
+  const auto is_size = [](const TensorInfo& input) { return input.type == ElementType::int64; };
+  const auto image = std::find_if_not(file.inputs.begin(), file.inputs.end(), is_size);
+  const auto sizes = std::count_if(file.inputs.begin(), file.inputs.end(), is_size);
+  const bool is_only_image = image != file.inputs.end() && sizes <= 1 && std::ssize(file.inputs) == sizes + 1;
+  const std::size_t rank = is_only_image ? image->shape.size() : 0;
+  const bool has_channels = rank == 3 || rank == 4 ? image->shape[rank - 3] <= 3 : rank == 0;
+  if (!is_only_image || !has_channels)
     throw InputError(file.path, fmt::format("takes {}, which is not an image of 1x3xHxW", format_shapes(file.inputs)),
                      "export the network with an image as its only input (docs/detector.md)");
   if (image->shape.empty()) return;

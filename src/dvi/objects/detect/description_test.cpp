@@ -103,6 +103,11 @@ TEST(Description, TakesTheSizeThatTheNetworkDeclares) {
               HasSubstr("'size' is 640x384, but the network takes images of 64x64"));
   EXPECT_THAT(input_error([] { describe(network({1, 768}), {{"net.toml", kClasses}}); }),
               HasSubstr("takes images float32 1x768, which is not an image"));
+  OnnxFile two = network();
+  two.inputs.push_back({"orig_target_sizes", ElementType::int64, {1, 2}});
+  EXPECT_EQ(describe(two, {{"net.toml", kClasses}}).class_count(), 3) << "the size to which boxes are scaled";
+  two.inputs.push_back({"tokens", ElementType::float32, {1, 768}});
+  EXPECT_THAT(input_error([&] { describe(two, {{"net.toml", kClasses}}); }), HasSubstr("is not an image"));
 }
 
 TEST(Description, ReadsTheMetadataOfUltralytics) {

@@ -220,6 +220,21 @@ TEST_F(DetectorModels, ThatOpenCvCannotRunAreRejectedWithTheirNode) {
               HasSubstr("cannot run node 'head/flatten' (Reshape) on an input of 1x3x64x128"));
 }
 
+TEST_F(DetectorModels, NeedAllOfTheirFiles) {
+  const fs::path model = write_description("separate", test_description(true));
+  {
+    const EngineChoice opencv("off");
+    EXPECT_THAT(input_error([&] { const Detector detector(model); }), HasSubstr("its weights are in another file"));
+  }
+  if (OnnxRuntime::of_process()) {
+    const Detector detector(model);
+    EXPECT_EQ(detector.files().size(), 3U) << "network, weights, description";
+    EXPECT_EQ(detector.detect({picture(kCar, kPerson)}).front().size(), 2U);
+  }
+  fs::remove(folder.path / "separate.data");
+  EXPECT_THAT(input_error([&] { const Detector detector(model); }), HasSubstr("separate.data, which does not exist"));
+}
+
 TEST_F(DetectorModels, WithOtherShapesOrDamagedFilesAreRejected) {
   EXPECT_THAT(load_error("yolov8-cut", test_description(true)), HasSubstr("its outputs are unknown: boxes 1x64x4x4"));
   EXPECT_THAT(load_error("semantic", test_description(false, "", "kind = \"yolov5\"\n")),

@@ -79,6 +79,8 @@ std::string format_shape(const cv::Mat& blob) {
 class OpenCvNetwork : public Network {
  public:
   OpenCvNetwork(const OnnxFile& file, const std::vector<std::string>& outputs) : model_(file.path) {
+    if (!file.weight_files.empty())
+      throw make_run_error(model_, fmt::format("it: its weights are in another file, {}", file.weight_files.front().string()));
     const QuietOpenCv quiet;
     try {
       net_ = cv::dnn::readNetFromONNX(model_.string());
