@@ -73,12 +73,13 @@ class Net:
             return self.node("ReduceMax", value, axes=[axis], keepdims=0, name=name)
         return self.node("ReduceMax", value, self.constant([axis]), keepdims=0, name=name)
 
-    def save(self, path, outputs, size=(SIDE, SIDE), metadata=None):
-        """Writes the network. `outputs`: name, type, and shape of each."""
+    def save(self, path, outputs, size=(SIDE, SIDE), metadata=None, more_inputs=()):
+        """Writes the network. `outputs` and `more_inputs`: name, type, and shape of each."""
         values = [helper.make_tensor_value_info(name, kind, shape) for name, kind, shape in outputs]
         shape = [3, *size] if self.rank == 3 else [1, 3, *size]
         image = helper.make_tensor_value_info("image", FLOAT, shape)
-        graph = helper.make_graph(self.nodes, "test", [image], values, self.weights)
+        inputs = [image] + [helper.make_tensor_value_info(name, kind, axes) for name, kind, axes in more_inputs]
+        graph = helper.make_graph(self.nodes, "test", inputs, values, self.weights)
         model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", self.opset)])
         model.ir_version = 7 if self.opset < 18 else 9
         helper.set_model_props(model, metadata or {})
@@ -264,6 +265,20 @@ def detr(folder, opset):
              metadata={"names": NAMES, "imgsz": "[64, 64]", "description": "Ultralytics RT-DETR-l model"})
 
 
+def scaled_detr(folder, opset):
+    """As RT-DETR's own exporter: boxes in pixels of a size that is a second input."""
+    net = Net(opset)
+    scores = net.node("Sigmoid", net.reshape(class_logits(net), 1, 2, COUNT))
+    net.node("Identity", net.reduce_max(scores, 1), name="scores")
+    net.node("ArgMax", scores, axis=1, keepdims=0, name="labels")
+    centers = anchors().transpose(0, 2, 1) / CELLS
+    shares = net.constant(numpy.concatenate([centers - 0.5 / CELLS, centers + 0.5 / CELLS], 2))
+    size = net.node("Cast", net.concat("orig_target_sizes", "orig_target_sizes"), to=FLOAT)
+    net.node("Mul", shares, net.unsqueeze(size, 1), name="boxes")
+    net.save(folder / "rtdetr-scaled.onnx", [("labels", INT64, [1, COUNT]), ("boxes", FLOAT, [1, COUNT, 4]),
+                                             ("scores", FLOAT, [1, COUNT])], more_inputs=[("orig_target_sizes", INT64, [1, 2])])
+
+
 def mask_rcnn(folder, opset):
     """As torchvision's: an image without batch axis, boxes that remain after NonMaxSuppression, masks by RoiAlign."""
     net = Net(opset, rank=3)
@@ -290,8 +305,8 @@ def mask_rcnn(folder, opset):
 
 def main():
     folder, opset = Path(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 12
-    for write in (semantic, normalized_semantic, separate_weights, unsupported_nodes, yolov5, yolov8, undecoded_yolov8, end_to_end, detr,
-                  mask_rcnn):
+    for write in (semantic, normalized_semantic, separate_weights, unsupported_nodes, yolov5, yolov8, undecoded_yolov8,
+                  end_to_end, detr, scaled_detr, mask_rcnn):
         write(folder, opset)
 
 

@@ -31,6 +31,7 @@ void add_declared_size(const OnnxFile& file, Description& out) {
   if (!is_only_image || !has_channels)
     throw InputError(file.path, fmt::format("takes {}, which is not an image of 1x3xHxW", format_shapes(file.inputs)),
                      "export the network with an image as its only input (docs/detector.md)");
+  if (sizes > 0) out.fit = Fit::stretch;  // as the networks with such an input are trained
   if (image->shape.empty()) return;
   const std::int64_t height = image->shape[image->shape.size() - 2], width = image->shape.back();
   if (height > 0 && width > 0) out.input = {static_cast<int>(width), static_cast<int>(height)};

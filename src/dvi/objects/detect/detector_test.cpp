@@ -81,6 +81,7 @@ constexpr TestModel kModels[] = {{"semantic", true},
                                  {"yolo26-seg", false, true},
                                  {"rtdetr", false, true, true},
                                  {"rtdetr-hf", false, false, true},
+                                 {"rtdetr-scaled", false, false, true},
                                  {"fasterrcnn", true, false, true},
                                  {"maskrcnn", true, false, false, 2}};
 const cv::Rect kCar(16, 16, 16, 16), kPerson(48, 32, 16, 16);
