@@ -59,7 +59,7 @@ class Table {
     if (!node) return std::nullopt;
     const std::vector<double> list = finite_numbers(*node);
     if (list.size() != N) fail(*node, fmt::format("'{}' is not a list of {} numbers", key, N));
-    std::array<double, N> out;
+    std::array<double, N> out{};
     std::copy(list.begin(), list.end(), out.begin());
     return out;
   }

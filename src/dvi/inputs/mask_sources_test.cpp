@@ -116,7 +116,10 @@ TEST_F(MaskSourcesOf, LabelsOfSeveralFilesHaveTracksOfTheirOwn) {
 
 TEST_F(MaskSourcesOf, ALabelFileReplacesTheLabelsOfTheDriveUnlessTheyAreNamed) {
   drive.labeled = true;
-  drive.frames[1].labels = {{.track = 2, .type = "van"}};
+  Label van;
+  van.track = 2;
+  van.type = "van";
+  drive.frames[1].labels = {van};
   Drive copy = drive;
   attach({path("first.json")});
   EXPECT_THAT(drive.frames[1].labels, IsEmpty());

@@ -22,7 +22,7 @@ struct PointCloud {
   std::vector<double> t;                             ///< one per point, in the unit of the file; or empty
   std::vector<std::uint16_t> ring;                   ///< one per point; or empty
   std::size_t file_points = 0;                       ///< points in the file, with those that are left out
-  std::vector<std::uint32_t> file_index;             ///< one per point: its index in the file; empty if none is left out
+  std::vector<std::uint32_t> file_index{};           ///< one per point: its index in the file; empty if none is left out
 
   /// Adds a point by its position in the file.
   void add(const Eigen::Vector3d& position, float intensity_there, CountFrom from = CountFrom::first_point) {
