@@ -78,7 +78,7 @@ OptionTable Job::table() {
   table.add("ego_mask", read.ego_mask, {},
             "Names a PNG that masks the ego vehicle in all frames, such as its hood; it is removed, too; empty: none.");
   table.add("detector", read.detector, {},
-            "Names a network (MODEL.onnx, with MODEL.toml beside it) whose detections are removed, too; empty: none.");
+            "Names a network (an ONNX file, docs/detector.md) whose detections are removed, too; empty: none.");
   table.add("poses", read.poses,
             "Selects the poses: auto (given or loam, whichever map is sharper), given, loam (estimated from scans), or FILE.");
   Option& remove = table.add("remove", read.remove,
