@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/threads.h"
+#include "dvi/image/nearest_pixel.h"
 #include "dvi/labels/image_labels.h"
 #include "dvi/labels/trace_polygons.h"
 
@@ -58,13 +59,8 @@ cv::Mat1i assign_regions(const cv::Mat1b& mask, const std::vector<Region>& regio
   cv::Mat1i owner(mask.size(), 0);
   for (std::size_t i = 0; i < regions.size(); ++i) owner.setTo(static_cast<int>(i + 1), regions[i].mask & mask);
   if (cv::countNonZero(owner != 0) == 0) return owner;
-  cv::Mat1f distances;
-  cv::Mat1i nearest, parts;
-  cv::distanceTransform(owner == 0, distances, nearest, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
-  std::map<int, int> owner_of_label;
-  for (int y = 0; y < mask.rows; ++y)
-    for (int x = 0; x < mask.cols; ++x)
-      if (owner(y, x) != 0) owner_of_label[nearest(y, x)] = owner(y, x);
+  const NearestPixel nearest(cv::Mat1b(owner != 0));
+  cv::Mat1i parts;
   std::vector<uchar> is_touched(static_cast<std::size_t>(cv::connectedComponents(mask, parts)), 0);
   for (int y = 0; y < mask.rows; ++y)
     for (int x = 0; x < mask.cols; ++x)
@@ -72,7 +68,7 @@ cv::Mat1i assign_regions(const cv::Mat1b& mask, const std::vector<Region>& regio
   cv::Mat1i out(mask.size(), 0);
   for (int y = 0; y < mask.rows; ++y)
     for (int x = 0; x < mask.cols; ++x)
-      if (mask(y, x) != 0 && is_touched[static_cast<std::size_t>(parts(y, x))] != 0) out(y, x) = owner_of_label[nearest(y, x)];
+      if (mask(y, x) != 0 && is_touched[static_cast<std::size_t>(parts(y, x))] != 0) out(y, x) = owner(*nearest.find({x, y}));
   return out;
 }
 

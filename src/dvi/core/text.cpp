@@ -99,6 +99,16 @@ std::string to_lower_case(std::string text) {
   return text;
 }
 
+std::vector<std::string> split_at_commas(std::string_view list) {
+  std::vector<std::string> parts;
+  for (std::size_t at = 0; at <= list.size();) {
+    const std::size_t end = std::min(list.find(',', at), list.size());
+    parts.emplace_back(list.substr(at, end - at));
+    at = end + 1;
+  }
+  return parts;
+}
+
 std::vector<std::string> split_words(std::string_view line) {
   constexpr std::string_view kBlanks = " \t\r";
   std::vector<std::string> words;

@@ -35,6 +35,8 @@ bool is_all_digits(std::string_view text);
 std::string to_lower_case(std::string text);
 /// Splits a line at blanks.
 std::vector<std::string> split_words(std::string_view line);
+/// Splits a list at commas. Empty parts are kept: an empty text is one.
+std::vector<std::string> split_at_commas(std::string_view list);
 /// Formats numbers in order: "3, 177-180". Longer lists end in "and 12 more".
 std::string format_ranges(const std::vector<int>& numbers);
 

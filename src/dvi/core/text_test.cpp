@@ -54,6 +54,12 @@ TEST(Text, WritesTimesThatItReadsBack) {
     EXPECT_EQ(to_nanoseconds(to_seconds(time)), time);
 }
 
+TEST(Text, SplitsListsAtCommas) {
+  EXPECT_EQ(split_at_commas("car,traffic light"), (std::vector<std::string>{"car", "traffic light"}));
+  EXPECT_EQ(split_at_commas("a,,b,"), (std::vector<std::string>{"a", "", "b", ""}));
+  EXPECT_EQ(split_at_commas(""), std::vector<std::string>{""});
+}
+
 TEST(Text, FormatsRangesOfNumbers) {
   EXPECT_EQ(format_ranges({3, 177, 178, 179, 180}), "3, 177-180");
   std::vector<int> many;

@@ -41,14 +41,17 @@ int label_connected_parts(const cv::Mat1b& mask, cv::Mat1i& labels) {
   return cv::connectedComponents(mask, labels, 4, CV_32S) - 1;
 }
 
+cv::Rect box_of_part(const cv::Mat1i& statistics, int part) {
+  return {statistics(part, cv::CC_STAT_LEFT), statistics(part, cv::CC_STAT_TOP), statistics(part, cv::CC_STAT_WIDTH),
+          statistics(part, cv::CC_STAT_HEIGHT)};
+}
+
 std::vector<cv::Rect> find_part_boxes(const cv::Mat1b& mask) {
   cv::Mat1i labels, boxes;
   cv::Mat1d centers;
   const int count = cv::connectedComponentsWithStats(mask, labels, boxes, centers, 8, CV_32S);
   std::vector<cv::Rect> out;
-  for (int i = 1; i < count; ++i)  // 0 is the background
-    out.emplace_back(boxes(i, cv::CC_STAT_LEFT), boxes(i, cv::CC_STAT_TOP), boxes(i, cv::CC_STAT_WIDTH),
-                     boxes(i, cv::CC_STAT_HEIGHT));
+  for (int i = 1; i < count; ++i) out.push_back(box_of_part(boxes, i));  // 0 is the background
   return out;
 }
 

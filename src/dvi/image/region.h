@@ -26,6 +26,9 @@ cv::Mat1b grown_far(const cv::Mat1b& mask, int radius);
 /// Labels the 4-connected parts of a mask from 1, with 0 outside. Returns their number.
 int label_connected_parts(const cv::Mat1b& mask, cv::Mat1i& labels);
 
+/// Returns the bounding box of a part, by the statistics of cv::connectedComponentsWithStats().
+cv::Rect box_of_part(const cv::Mat1i& statistics, int part);
+
 /// Returns the bounding boxes of the 8-connected parts of a mask.
 std::vector<cv::Rect> find_part_boxes(const cv::Mat1b& mask);
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <functional>
 #include <set>
-#include <sstream>
 
 #include <fmt/format.h>
 
@@ -31,8 +30,8 @@ std::shared_ptr<const objects::Detector> load_detector(const job::ReadChoice& ch
   if (choice.detector.empty()) return nullptr;
   auto detector = std::make_shared<objects::Detector>(choice.detector);
   if (std::set<std::string, std::less<>> classes; !choice.mask_files.classes.empty()) {
-    std::istringstream names(choice.mask_files.classes);
-    for (std::string name; std::getline(names, name, ',');) classes.insert(objects::to_lower_case(name));
+    for (const std::string& name : split_at_commas(choice.mask_files.classes))
+      if (!name.empty()) classes.insert(to_lower_case(name));
     detector->choose(classes);
   }
   return detector;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <set>
-#include <sstream>
 #include <vector>
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/text.h"
 #include "dvi/drive/nearest_in_time.h"
 #include "dvi/inputs/mask_sources.h"
 #include "dvi/labels/label_folder.h"
@@ -25,8 +25,7 @@ std::optional<std::set<std::string>> parse_source_cameras(const std::string& tex
   if (text == "all" || text.empty()) return std::nullopt;
   std::set<std::string> names;
   if (text == "none") return names;
-  std::istringstream list(text);
-  for (std::string name; std::getline(list, name, ',');)
+  for (const std::string& name : split_at_commas(text))
     if (!name.empty()) names.insert(name);
   return names;
 }

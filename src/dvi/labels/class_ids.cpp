@@ -126,12 +126,8 @@ std::string to_plain_name(std::string name) {
 }
 
 std::vector<std::string> split_names(std::string_view list) {
-  std::vector<std::string> names;
-  for (std::size_t at = 0; at <= list.size();) {
-    const std::size_t end = std::min(list.find(',', at), list.size());
-    names.push_back(to_plain_name(std::string(list.substr(at, end - at))));
-    at = end + 1;
-  }
+  std::vector<std::string> names = split_at_commas(list);
+  for (std::string& name : names) name = to_plain_name(std::move(name));
   return names;
 }
 

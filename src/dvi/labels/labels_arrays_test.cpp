@@ -7,6 +7,7 @@
 #include "dvi/labels/mask_folder.h"
 #include "dvi/labels/mask_reading.h"
 #include "dvi/media/video.h"
+#include "dvi/testing/image_drive.h"
 #include "dvi/testing/image_folder.h"
 
 namespace dvi::labels {
@@ -19,13 +20,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 // Three images of 6 x 4 pixels, 000 to 002.
-Drive three_small_images(cv::Size size = {6, 4}) {
-  Drive drive;
-  drive.camera.width = size.width, drive.camera.height = size.height;
-  drive.camera_name = "front";
-  for (int i = 0; i < 3; ++i) drive.frames.push_back({i, fmt::format("{:03}", i), i, {}, {}});
-  return drive;
-}
+Drive three_small_images(cv::Size size = {6, 4}) { return make_image_drive(3, size); }
 
 // Writes an array as numpy.save does.
 std::string save_array(const cv::Mat& mask, const std::string& type) {

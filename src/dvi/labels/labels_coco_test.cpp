@@ -2,6 +2,7 @@
 
 #include "dvi/drive/outline.h"
 #include "dvi/labels/labels.h"
+#include "dvi/testing/image_drive.h"
 #include "dvi/testing/image_folder.h"
 
 namespace dvi::labels {
@@ -13,13 +14,7 @@ using testing::HasSubstr;
 
 const cv::Size kSize(8, 6);
 
-Drive drive_of_three() {
-  Drive drive;
-  drive.camera.width = kSize.width, drive.camera.height = kSize.height;
-  drive.camera_name = "front";
-  for (int i = 0; i < 3; ++i) drive.frames.push_back({10 + i, fmt::format("{:03}", i), i, {}, {}});
-  return drive;
-}
+Drive drive_of_three() { return make_image_drive(3, kSize, 10); }
 
 // Returns the pixels of a label's outline.
 cv::Mat1b draw_label(const Label& label) {

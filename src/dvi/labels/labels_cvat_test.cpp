@@ -2,6 +2,7 @@
 
 #include "dvi/drive/outline.h"
 #include "dvi/labels/labels.h"
+#include "dvi/testing/image_drive.h"
 #include "dvi/testing/image_folder.h"
 
 namespace dvi::labels {
@@ -13,13 +14,7 @@ using testing::HasSubstr;
 
 const cv::Size kPicture(20, 12);
 
-Drive drive_of(int frames) {
-  Drive drive;
-  drive.camera.width = kPicture.width, drive.camera.height = kPicture.height;
-  drive.camera_name = "front";
-  for (int i = 0; i < frames; ++i) drive.frames.push_back({100 + i, fmt::format("{:03}", i), i, {}, {}});
-  return drive;
-}
+Drive drive_of(int frames) { return make_image_drive(frames, kPicture, 100); }
 
 cv::Mat1b mask_of_outline(const Label& label) {
   cv::Mat1b mask(kPicture, uchar{0});

@@ -2,6 +2,7 @@
 
 #include "dvi/drive/outline.h"
 #include "dvi/labels/labels.h"
+#include "dvi/testing/image_drive.h"
 #include "dvi/testing/image_folder.h"
 
 namespace dvi::labels {
@@ -11,13 +12,7 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-Drive three_images() {
-  Drive drive;
-  drive.camera.width = 20, drive.camera.height = 12;
-  drive.camera_name = "front";
-  for (int i = 0; i < 3; ++i) drive.frames.push_back({i, fmt::format("{:03}", i), i, {}, {}});
-  return drive;
-}
+Drive three_images() { return make_image_drive(3, {20, 12}); }
 
 int pixels(const Label& label) {
   cv::Mat1b mask(12, 20, uchar{0});

@@ -1,7 +1,7 @@
-#include <fmt/format.h>
 
 #include "dvi/drive/outline.h"
 #include "dvi/labels/labels.h"
+#include "dvi/testing/image_drive.h"
 #include "dvi/testing/image_folder.h"
 
 namespace dvi::labels {
@@ -10,13 +10,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-Drive two_panoptic_images() {
-  Drive drive;
-  drive.camera.width = 6, drive.camera.height = 4;
-  drive.camera_name = "front";
-  for (int i = 0; i < 2; ++i) drive.frames.push_back({i, fmt::format("{:03}", i), i, {}, {}});
-  return drive;
-}
+Drive two_panoptic_images() { return make_image_drive(2, {6, 4}); }
 
 // The id of a segment is R + 256 G + 65536 B (panopticapi, rgb2id).
 cv::Vec3b to_bgr_of(int id) {

@@ -1,10 +1,10 @@
-#include <fmt/format.h>
 
 #include "dvi/drive/outline.h"
 #include "dvi/labels/class_ids.h"
 #include "dvi/labels/class_names.h"
 #include "dvi/labels/label_folder.h"
 #include "dvi/labels/labels.h"
+#include "dvi/testing/image_drive.h"
 #include "dvi/testing/image_folder.h"
 
 namespace dvi::labels {
@@ -16,13 +16,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 // Four images of 40 x 20 pixels, 000 to 003.
-Drive four_images() {
-  Drive drive;
-  drive.camera.width = 40, drive.camera.height = 20;
-  drive.camera_name = "front";
-  for (int i = 0; i < 4; ++i) drive.frames.push_back({i, fmt::format("{:03}", i), i, {}, {}});
-  return drive;
-}
+Drive four_images() { return make_image_drive(4, {40, 20}); }
 
 cv::Mat1b draw_yolo(const Label& label) {
   cv::Mat1b mask(20, 40, uchar{0});

@@ -5,6 +5,7 @@
 
 #include "dvi/labels/labels.h"
 #include "dvi/labels/trace_polygons.h"
+#include "dvi/testing/image_drive.h"
 #include "dvi/testing/image_folder.h"
 
 namespace dvi::labels {
@@ -64,9 +65,7 @@ TEST(TracePolygons, HaveFewCornersWithinTheOverlap) {
 class WrittenLabels : public testing::Test {
  protected:
   WrittenLabels() {
-    drive.camera.width = 90, drive.camera.height = 60;
-    drive.camera_name = "front";
-    for (int i = 0; i < 4; ++i) drive.frames.push_back({i, fmt::format("{:03}", i), i, {}, {}});
+    drive = make_image_drive(4, {90, 60});
     labels = {{90, 60}, 4, {}};
     for (int i = 0; i < 4; ++i) labels.images.push_back({fmt::format("{:03}.png", i), i, {}});
     for (const std::size_t i : {0, 1, 3}) {  // the car is not in image 2

@@ -9,7 +9,7 @@
 #include "dvi/objects/clusters.h"
 #include "dvi/objects/draw_masks.h"
 #include "dvi/objects/motion_segmentation.h"
-#include "dvi/synth/scene.h"
+#include "dvi/objects/test_recorded_street.h"
 
 namespace dvi::objects {
 namespace {
@@ -41,19 +41,8 @@ TEST(LabeledClusters, AreReturnsOfOneObject) {
 }
 
 // A street with exact labels of its points. All objects have the same class if it is given.
-struct LabeledStreet {
-  std::shared_ptr<const synth::Scene> scene;
-  Drive drive;
-
-  explicit LabeledStreet(std::uint32_t all_of_class = 0) {
-    synth::SynthOptions options;
-    options.frames = 12;
-    options.columns = 900;
-    options.width = 320;
-    options.height = 180;
-    scene = std::make_shared<const synth::Scene>(options);
-    drive = synth::drive_of(scene);
-    for (Frame& frame : drive.frames) frame.labels.clear();
+struct LabeledStreet : RecordedStreet {
+  explicit LabeledStreet(std::uint32_t all_of_class = 0) : RecordedStreet(12) {
     drive.point_labels = {drive.scans.size(), 20, [scene = scene, all_of_class](std::size_t i) {
                             PointLabels labels{scene->scan(static_cast<int>(i)).label};
                             for (std::uint32_t& value : labels.values)

@@ -14,28 +14,11 @@
 #include "dvi/objects/motion_segmentation.h"
 #include "dvi/objects/plain_drive.h"
 #include "dvi/objects/shadows.h"
-#include "dvi/synth/scene.h"
+#include "dvi/objects/test_recorded_street.h"
 #include "dvi/testing/memory_views.h"
 
 namespace dvi::objects {
 namespace {
-
-struct Street {
-  std::shared_ptr<const synth::Scene> scene;
-  Drive drive;
-
-  explicit Street(int frames, int seed = 1) {
-    synth::SynthOptions options;
-    options.frames = frames;
-    options.seed = seed;
-    options.columns = 900;
-    options.width = 320;
-    options.height = 180;
-    scene = std::make_shared<const synth::Scene>(options);
-    drive = synth::drive_of(scene);
-    for (Frame& frame : drive.frames) frame.labels.clear();
-  }
-};
 
 MotionSegmentation segment(const Drive& drive, const ScanPoses& poses) {
   const ground::ScanGround ground(drive, poses.world_from_lidar);
@@ -44,7 +27,7 @@ MotionSegmentation segment(const Drive& drive, const ScanPoses& poses) {
 }
 
 TEST(MotionSegmentation, FindsMovingObjectsAndNoStaticOnes) {
-  const Street street(14);
+  const RecordedStreet street(14);
   const std::vector<Track> tracks = segment(street.drive, {street.drive.poses}).tracks;
   const FrameLabels labels = draw_outlines(tracks, street.drive, street.drive.poses, 0.3);
   ASSERT_EQ(labels.size(), street.drive.frames.size());
@@ -105,7 +88,7 @@ TEST(MotionSegmentation, FindsAWalkingPersonInAShortDrive) {
 }
 
 TEST(MotionSegmentation, FindsNothingInOneScanOrWithoutPoses) {
-  const Street street(1);
+  const RecordedStreet street(1);
   EXPECT_TRUE(segment(street.drive, {street.drive.poses}).tracks.empty());
   const std::vector<Track> unposed = segment(street.drive, {}).tracks;
   EXPECT_TRUE(unposed.empty());

@@ -173,9 +173,7 @@ std::vector<BoxPart> find_box_parts(const cv::Mat1b& mask) {
   const int count = cv::connectedComponentsWithStats(mask, parts, stats, centers, 8, CV_32S);
   for (int i = 1; i < count; ++i) {
     if (stats(i, cv::CC_STAT_AREA) > kBoxMasks.max_image_share * static_cast<double>(mask.total())) continue;
-    const cv::Rect box(stats(i, cv::CC_STAT_LEFT), stats(i, cv::CC_STAT_TOP), stats(i, cv::CC_STAT_WIDTH),
-                       stats(i, cv::CC_STAT_HEIGHT));
-    const cv::Rect area = enlarge(box, kBoxMasks.border_px, mask.size());
+    const cv::Rect area = enlarge(box_of_part(stats, i), kBoxMasks.border_px, mask.size());
     BoxPart part{area, cv::Mat1b(parts(area) == i), {}};
     part.boxes = split_into_boxes(part.mask);
     if (!part.boxes.empty()) out.push_back(std::move(part));

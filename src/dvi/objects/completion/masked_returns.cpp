@@ -135,8 +135,7 @@ MaskedSurfaces::MaskedSurfaces(MaskedFrame frame, const std::vector<Eigen::Vecto
   int regions = cv::connectedComponentsWithStats(*frame_.mask, parts_, stats, centers, 8, CV_32S);
   boxes_.resize(static_cast<std::size_t>(regions));
   for (int part = 1; part < stats.rows; ++part) {
-    const cv::Rect area(stats(part, cv::CC_STAT_LEFT), stats(part, cv::CC_STAT_TOP), stats(part, cv::CC_STAT_WIDTH),
-                        stats(part, cv::CC_STAT_HEIGHT));
+    const cv::Rect area = box_of_part(stats, part);
     for (const cv::Rect& within : split_into_boxes(cv::Mat1b(parts_(area) == part))) {
       const cv::Rect box = within + area.tl();
       box_of_.emplace(regions, box);

@@ -1,7 +1,6 @@
 #include "dvi/objects/detect/description.h"
 
 #include <algorithm>
-#include <cctype>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -38,11 +37,6 @@ void add_declared_size(const OnnxFile& file, Description& out) {
 }
 
 }  // namespace
-
-std::string to_lower_case(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 void choose_classes(const std::set<std::string, std::less<>>& names, Description& out) {
   out.removed.clear();

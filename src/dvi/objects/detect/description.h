@@ -79,7 +79,4 @@ std::vector<std::string> list_known_classes(const std::string& data_set);
 /// Removes the classes of these names, in lower case. Throws InputError if the network has none of them.
 void choose_classes(const std::set<std::string, std::less<>>& names, Description& out);
 
-/// Converts a text to lower case.
-std::string to_lower_case(std::string text);
-
 }  // namespace dvi::objects

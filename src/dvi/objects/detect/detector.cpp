@@ -56,8 +56,6 @@ std::vector<fs::path> Detector::files() const { return impl_->description.files;
 
 std::string Detector::engine() const { return impl_->network->engine(); }
 
-Layout Detector::layout() const { return impl_->description.layout; }
-
 void Detector::choose(const std::set<std::string, std::less<>>& names) { choose_classes(names, impl_->description); }
 
 const std::vector<std::string>& Detector::classes() const { return impl_->description.classes; }

@@ -30,8 +30,6 @@ class Detector {
   std::vector<fs::path> files() const;
   /// Returns the name and version of the engine that runs the network. Results of two engines may differ at edges.
   std::string engine() const;
-  /// Returns the layout of the outputs.
-  Layout layout() const;
   /// Returns the names of the classes, lower case.
   const std::vector<std::string>& classes() const;
   /// Removes the classes of these names, in lower case. Throws InputError if the network has none of them.

@@ -1,5 +1,4 @@
-#include <sstream>
-
+#include "dvi/core/text.h"
 #include "dvi/objects/detect/description.h"
 
 namespace dvi::objects {
@@ -17,22 +16,15 @@ constexpr const char* kCityscapes =
     "road,sidewalk,building,wall,fence,pole,traffic light,traffic sign,vegetation,terrain,sky,person,rider,car,truck,bus,"
     "train,motorcycle,bicycle";
 
-std::vector<std::string> split_names(const char* names) {
-  std::istringstream in(names);
-  std::vector<std::string> out;
-  for (std::string name; std::getline(in, name, ',');) out.push_back(name);
-  return out;
-}
-
 }  // namespace
 
 std::vector<std::string> list_known_classes(const std::string& data_set) {
-  if (data_set == "Cityscapes") return split_names(kCityscapes);
+  if (data_set == "Cityscapes") return split_at_commas(kCityscapes);
   std::vector<std::string> classes;
   if (data_set != "COCO" && data_set != "COCO-91") return classes;
   const bool has_unused = data_set == "COCO-91";
   if (has_unused) classes.emplace_back("background");
-  for (const std::string& name : split_names(kCoco))
+  for (const std::string& name : split_at_commas(kCoco))
     if (has_unused || name != "-") classes.push_back(name);
   return classes;
 }

@@ -37,28 +37,6 @@ ElementType to_element_type(int type) {
   }
 }
 
-const char* name_of(ElementType type) {
-  switch (type) {
-    case ElementType::float32:
-      return "float32";
-    case ElementType::float16:
-      return "float16";
-    case ElementType::float64:
-      return "float64";
-    case ElementType::uint8:
-      return "uint8";
-    case ElementType::int32:
-      return "int32";
-    case ElementType::int64:
-      return "int64";
-    case ElementType::boolean:
-      return "bool";
-    case ElementType::other:
-      break;
-  }
-  return "another type";
-}
-
 TensorInfo to_info(const onnx::ValueInfoProto& value) {
   TensorInfo info{value.name(), to_element_type(value.type().tensor_type().elem_type()), {}};
   for (const auto& axis : value.type().tensor_type().shape().dim())
@@ -113,7 +91,7 @@ std::string format_shapes(const std::vector<TensorInfo>& tensors) {
   for (const TensorInfo& tensor : tensors) {
     std::vector<std::string> axes;
     for (const std::int64_t size : tensor.shape) axes.push_back(size < 0 ? "?" : std::to_string(size));
-    texts.push_back(fmt::format("{} {} {}", tensor.name, name_of(tensor.type), fmt::join(axes, "x")));
+    texts.push_back(fmt::format("{} {} {}", tensor.name, dvi::to_string(tensor.type), fmt::join(axes, "x")));
   }
   return fmt::format("{}", fmt::join(texts, ", "));
 }

@@ -1,16 +1,25 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "dvi/core/files.h"
+#include "dvi/core/named.h"
 
 namespace dvi::objects {
 
 /// The types of numbers that inputs and outputs of a network may have.
 enum class ElementType { float32, float16, float64, uint8, int32, int64, boolean, other };
+constexpr auto names_of(ElementType) {
+  return std::array{std::pair{ElementType::float32, "float32"}, std::pair{ElementType::float16, "float16"},
+                    std::pair{ElementType::float64, "float64"}, std::pair{ElementType::uint8, "uint8"},
+                    std::pair{ElementType::int32, "int32"},     std::pair{ElementType::int64, "int64"},
+                    std::pair{ElementType::boolean, "bool"},    std::pair{ElementType::other, "another type"}};
+}
 
 /// An input or output that an ONNX file declares.
 struct TensorInfo {
