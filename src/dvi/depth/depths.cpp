@@ -1,10 +1,12 @@
 #include "dvi/depth/depths.h"
 
-#include <algorithm>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <utility>
 
 #include "dvi/core/threads.h"
 #include "dvi/depth/occluders.h"
@@ -16,21 +18,23 @@ namespace {
 /// Parameters of the store of packed depth maps.
 struct PackedDepthParams {
   std::size_t max_bytes = std::size_t{192} << 20;  ///< Memory of all packed depth maps together.
-  std::size_t max_delay = 64;  ///< Views by which threads may differ; depth maps of earlier views are not needed any more.
 };
 constexpr PackedDepthParams kPackedDepth;
 
 /// Packed depth maps of views that will be targets later.
 class PackedDepths {
  public:
-  /// Stores a depth map unless the bound is reached: the stored ones are mostly of earlier views, so needed sooner.
+  /// Stores a depth map. If the bound is reached, the depth maps of the last views are dropped, which are needed last.
   void put(std::size_t view, const DepthMap& depth, const cv::Mat1b& hole) {
     {
       const std::lock_guard lock(mutex_);
-      if (view < next_ || items_.contains(view)) return;
+      if (taken_.contains(view) || items_.contains(view)) return;
     }
     PackedDepth packed(depth, hole);
     const std::lock_guard lock(mutex_);
+    if (taken_.contains(view)) return;
+    while (!items_.empty() && items_.rbegin()->first > view && bytes_ + packed.bytes() > kPackedDepth.max_bytes)
+      drop(std::prev(items_.end()));
     if (bytes_ + packed.bytes() > kPackedDepth.max_bytes) return;
     const std::size_t bytes = packed.bytes();
     if (items_.emplace(view, std::move(packed)).second) bytes_ += bytes;
@@ -38,14 +42,11 @@ class PackedDepths {
   /// Removes and returns the depth map of a view; none if it is not stored.
   std::optional<PackedDepth> take(std::size_t view) {
     const std::lock_guard lock(mutex_);
-    next_ = std::max(next_, view + 1);
-    std::optional<PackedDepth> out;
-    while (!items_.empty() && items_.begin()->first + kPackedDepth.max_delay < next_) drop(items_.begin());
+    taken_.insert(view);
     const auto it = items_.find(view);
-    if (it == items_.end()) return out;
-    out = std::move(it->second);
-    bytes_ -= out->bytes();
-    items_.erase(it);
+    if (it == items_.end()) return std::nullopt;
+    std::optional<PackedDepth> out = std::move(it->second);
+    drop(it);
     return out;
   }
 
@@ -59,7 +60,8 @@ class PackedDepths {
 
   std::mutex mutex_;
   Items items_;
-  std::size_t bytes_ = 0, next_ = 0;
+  std::set<std::size_t> taken_;
+  std::size_t bytes_ = 0;
 };
 
 /// Sets `sigma` to 0 outside the mask, as packing does, so that the result does not depend on which use of the view came first.

@@ -36,7 +36,7 @@ struct HarmonizeOptions {
     table.section("harmonize");
     table.flags(true);
     table.add("unobserved", unobserved,
-              "Unobserved pixels: synthesize (interpolated, with road texture or noise texture, kind 4), "
+              "Unobserved pixels: synthesize (from patches of the same surface elsewhere in the image, kind 4), "
               "interpolate (kind 3), or leave (black, kind 5).");
     table.flags(false);
     table.developer();

@@ -11,6 +11,7 @@
 #include "dvi/map/static_map.h"
 #include "dvi/objects/find_objects.h"
 #include "dvi/result/archive.h"
+#include "dvi/synthesize/completed_views.h"
 
 // Lists the fields of the stages' results for StageCache. Only files that call StageCache::load_or_compute() include this.
 namespace dvi::result {
@@ -149,6 +150,10 @@ constexpr auto fields_of(Of<align::SequenceAlignment>) {
 constexpr auto fields_of(Of<align::Cameras>) {
   using align::Cameras;
   return std::tuple{&Cameras::camera_from_world, &Cameras::views, &Cameras::sequences};
+}
+constexpr auto fields_of(Of<synthesize::CompletedView>) {
+  using synthesize::CompletedView;
+  return std::tuple{&CompletedView::view, &CompletedView::pixels, &CompletedView::colors, &CompletedView::depths_m};
 }
 
 }  // namespace dvi::result

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "dvi/core/error.h"
+#include "dvi/core/threads.h"
 #include "dvi/depth/depths.h"
 #include "dvi/ground/road_ground.h"
 #include "dvi/inputs/check_setup.h"
@@ -24,6 +25,7 @@
 #include "dvi/run/run_baseline.h"
 #include "dvi/run/run_stages.h"
 #include "dvi/run/smoothed_frames.h"
+#include "dvi/synthesize/completed_views.h"
 
 namespace dvi::run {
 
@@ -37,9 +39,11 @@ using objects::Evidence, objects::Masks, objects::Objects;
 using regularize::Labeling;
 using result::FilledView, result::ResultFolder, result::StageCache;
 using sample::Candidates;
-using synthesize::NoiseTexture, synthesize::RoadTexture, synthesize::Textures;
+using synthesize::CompletedViews, synthesize::SynthesizedFrame;
 
 namespace {
+
+bool is_synthesized(const job::Options& options) { return options.harmonize.unobserved == Unobserved::synthesize; }
 
 /// The data that all frames share while they are filled.
 struct FillContext {
@@ -47,15 +51,24 @@ struct FillContext {
       : stages(options, cpu), depths(views, [&](std::size_t view) {  // 3.1
           return cpu.time("depth", depth::compute_depth_map, map, views[view], options.depth);
         }) {
-    const bool synthesized = options.harmonize.unobserved == Unobserved::synthesize;
-    if (options.harmonize.surface_classes || synthesized) ground.emplace(map, views);
-    if (synthesized) textures.emplace(Textures{RoadTexture(*ground, views, depths.visibility), NoiseTexture(views)});
+    if (options.harmonize.surface_classes || is_synthesized(options)) ground.emplace(map, views);
   }
 
   FrameStages stages;
   Depths depths;
   std::optional<RoadGround> ground;
-  std::optional<Textures> textures;
+};
+
+/// A frame whose unobserved pixels are interpolated, with the data that their synthesis needs.
+struct HarmonizedFrame {
+  FilledFrame filled;
+  std::optional<regularize::Energies> energy;
+  cv::Mat1b classes;  ///< Values of harmonize::SurfaceClass; empty: all unknown.
+
+  std::size_t bytes() const {
+    return bytes_of(filled.color) + bytes_of(filled.mask) + bytes_of(filled.kind) + bytes_of(filled.provenance) +
+           bytes_of(filled.used) + bytes_of(filled.confidence) + bytes_of(filled.depth) + bytes_of(classes);
+  }
 };
 
 /// A run of one job: plan() computes the stages before the fill, fill() fills one frame, and finish() writes all other files.
@@ -95,6 +108,9 @@ class Run {
   Poses estimate_poses() const;
   StaticMap build_map() const;
   HarmonizeInput make_harmonize_input(const Target& target, const Candidates& candidates) const;
+  HarmonizedFrame harmonize(std::size_t frame) const;
+  SynthesizedFrame synthesize(std::size_t frame, const HarmonizedFrame& harmonized, const CompletedViews& keys) const;
+  CompletedViews complete_views();
 
   const job::Job& job_;
   const job::Options& options_;
@@ -110,6 +126,8 @@ class Run {
   Cameras cameras_;
   Views views_;
   std::optional<FillContext> context_;
+  Lazy<HarmonizedFrame> harmonized_;  // those of views that are completed are needed twice
+  CompletedViews completed_views_;
 };
 
 void Run::plan(StageCache::Missing missing) {
@@ -126,22 +144,57 @@ void Run::plan(StageCache::Missing missing) {
   const Gains gains = stages.load_or_compute("exposure", [&] { return estimate_exposure(refine, progress_); });
   cameras_ = stages.load_or_compute("alignment", [&] { return align(refine, progress_); });  // 3.1, eq. 1
   views_ = inputs::refine_views(posed, gains, cameras_);
+  context_.emplace(map_, views_, options_, cpu_);
+  harmonized_ = Lazy<HarmonizedFrame>(frames(), [this](std::size_t frame) { return harmonize(frame); });
+  if (is_synthesized(options_))
+    completed_views_ =
+        folder_.make_fill_cache(progress_, missing).load_or_compute("completed_views", [&] { return complete_views(); });
 }
 
-FilledView Run::fill(std::size_t frame) const {
-  const auto& [stages, depths, ground, textures] = *context_;
+HarmonizedFrame Run::harmonize(std::size_t frame) const {
+  const auto& [stages, depths, ground] = *context_;
   const DepthMap depth = stages.plane_sweep({views_, frame, *depths.maps[frame], depths.visibility});  // 3.1
   const Target target{views_, frame, depth, depths.visibility};
   Candidates candidates = stages.sample(target);                             // 3.2
   const Labeling labels = stages.regularize(std::move(candidates), target);  // 3.3, eqs. 2-4
-  const HarmonizeInput input = make_harmonize_input(target, labels.candidates);
+  HarmonizeInput input = make_harmonize_input(target, labels.candidates);
   FilledFrame filled = stages.harmonize(target, labels.candidates, input);  // 3.4, eq. 5
-  if (textures) filled = stages.synthesize(filled, views_[frame], input.classes, *textures);
-  return {std::move(filled), labels.energy};
+  return {std::move(filled), labels.energy, std::move(input.classes)};
+}
+
+SynthesizedFrame Run::synthesize(std::size_t frame, const HarmonizedFrame& harmonized, const CompletedViews& keys) const {
+  return context_->stages.synthesize(harmonized.filled, views_, frame, harmonized.classes, *context_->ground, keys);
+}
+
+CompletedViews Run::complete_views() {
+  const std::vector<std::size_t> selected = synthesize::select_views_to_complete(views_);
+  progress_.begin("completion", selected.size());
+  CompletedViews keys;
+  for_blocks(selected.size(), [&](std::size_t first, std::size_t last) {
+    std::vector<std::shared_ptr<const HarmonizedFrame>> harmonized(last - first);
+    parallel_for(last - first, [&](std::size_t i) { harmonized[i] = harmonized_[selected[first + i]]; });
+    for (std::size_t i = first; i < last; ++i) {
+      const SynthesizedFrame made = synthesize(selected[i], *harmonized[i - first], keys);
+      if (!made.guide.group.empty())
+        keys.push_back(
+            synthesize::make_completed_view(made.frame, made.completed, made.guide, views_, selected[i], *context_->ground));
+      progress_.advance();
+    }
+  });
+  progress_.end();
+  return keys;
+}
+
+FilledView Run::fill(std::size_t frame) const {
+  if (!is_synthesized(options_)) {
+    HarmonizedFrame harmonized = harmonize(frame);
+    return {std::move(harmonized.filled), harmonized.energy};
+  }
+  const std::shared_ptr<const HarmonizedFrame> harmonized = harmonized_[frame];
+  return {synthesize(frame, *harmonized, completed_views_).frame, harmonized->energy};
 }
 
 void Run::fill_frames(const std::vector<std::size_t>& frames, const result::FinishedFrame& hand_on) {
-  if (!frames.empty()) context_.emplace(map_, views_, options_, cpu_);
   progress_.begin("fill", frames.size());
   for_each_smoothed(frames, this->frames(),
                     {.fill = [&](std::size_t frame) { return fill(frame); },
@@ -173,7 +226,7 @@ StaticMap Run::build_map() const {
 }
 
 HarmonizeInput Run::make_harmonize_input(const Target& target, const Candidates& candidates) const {
-  const auto& [stages, depths, ground, textures] = *context_;
+  const auto& [stages, depths, ground] = *context_;
   HarmonizeInput input;
   if (options_.harmonize.illumination_change) input.illumination = stages.compare_illumination(target, candidates);
   if (options_.harmonize.surface_classes) input.classes = stages.classify_surfaces(target, candidates, *ground);

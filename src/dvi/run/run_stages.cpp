@@ -30,6 +30,8 @@ Stages plan_run_stages(const job::Job& job) {
     stages.push_back({"read", 0.02});
   else
     append(stages_before_fill(), stages);
+  if (!job::is_baseline(job.method) && job.options.harmonize.unobserved == harmonize::Unobserved::synthesize)
+    stages.push_back({"completion", 0.1});
   stages.push_back({"fill", 0.6});
   append(stages_after_fill(), stages);
   return stages;

@@ -1,22 +1,24 @@
 #pragma once
 
 #include "dvi/drive/view.h"
+#include "dvi/ground/road_ground.h"
 #include "dvi/harmonize/filled_frame.h"
-#include "dvi/synthesize/noise_texture.h"
-#include "dvi/synthesize/road_texture.h"
+#include "dvi/synthesize/completed_views.h"
+#include "dvi/synthesize/surface_guide.h"
 
 namespace dvi::synthesize {
 
-/// The textures of the unobserved pixels of a drive.
-struct Textures {
-  RoadTexture road;
-  NoiseTexture noise;
+/// A frame whose unobserved pixels are synthesized.
+struct SynthesizedFrame {
+  harmonize::FilledFrame frame;
+  cv::Mat1b completed;  ///< 255: the pixel is not shown by any key frame and was completed in this frame.
+  SurfaceGuide guide;   ///< The surfaces of its pixels; empty if no pixel is unobserved.
 };
 
-/// Adds the road texture to interpolated pixels, or noise texture where the road texture is unknown; their kind becomes
-/// `synthesized`. Low frequencies remain those of the interpolation, which continues the surroundings of the hole. `classes`
-/// are the harmonize::SurfaceClass of the frame's pixels; empty: all unknown.
-harmonize::FilledFrame synthesize(const harmonize::FilledFrame& frame, const View& view, const cv::Mat1b& classes,
-                                  const Textures& textures);
+/// Replaces the colors of interpolated pixels by those of key frames, and by exemplars where no key frame shows them; their
+/// kind becomes `synthesized`. `index` is the frame's view. `classes` are the harmonize::SurfaceClass of its pixels; empty: all
+/// unknown.
+SynthesizedFrame synthesize(const harmonize::FilledFrame& frame, const Views& views, std::size_t index,
+                            const cv::Mat1b& classes, const ground::RoadGround& ground, const CompletedViews& keys);
 
 }  // namespace dvi::synthesize

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "dvi/core/random.h"
+#include "dvi/image/region.h"
+#include "dvi/synthesize/exemplar_level.h"
+
+namespace dvi::synthesize {
+
+/// A 2 x 2 matrix that transforms offsets in a patch to offsets in its exemplar.
+struct PatchWarp {
+  float xx = 1, xy = 0, yx = 0, yy = 1;
+  bool is_identity() const { return xx == 1 && yy == 1 && xy == 0 && yx == 0; }
+  cv::Point2f operator*(cv::Point2f d) const { return {xx * d.x + xy * d.y, yx * d.x + yy * d.y}; }
+};
+
+/// The exemplar of a patch, by the pixel that corresponds to the center of the patch.
+struct Exemplar {
+  cv::Point at{-1, -1};
+  float cost =
+      std::numeric_limits<float>::infinity();  ///< Mean squared difference in gray levels, plus the cost of position and usage.
+  bool found() const { return at.x >= 0; }
+};
+
+/// The search for the exemplars of all patches that have unknown pixels, at one level of the pyramid. It changes the colors of
+/// the level, which must outlive it.
+class ExemplarSearch {
+ public:
+  ExemplarSearch(ExemplarLevel& level, Random& random);
+
+  /// Returns the centers of the patches.
+  const Region& targets() const { return targets_; }
+  /// Returns the exemplar of the patch around a target.
+  const Exemplar& match(cv::Point p) const { return matches_[targets_.index(p)]; }
+
+  /// Starts with the exemplars of the next coarser level, or with random ones.
+  void start(const ExemplarSearch* coarser);
+  /// Improves the exemplars by those of neighbors and by random ones, in raster order or in the opposite order.
+  void improve(bool forward);
+  /// Computes unknown colors from the exemplars of all patches.
+  void vote();
+  /// Computes them from the patches whose centers are within a square of this radius around a pixel.
+  void vote(int radius_px);
+
+ private:
+  static Region find_targets(const ExemplarLevel& level);
+  bool is_inside(cv::Point p) const { return cv::Rect({}, level_.size()).contains(p); }
+  PatchWarp warp_of(cv::Point target, cv::Point source) const;
+  cv::Vec4f color_of(cv::Point source, const PatchWarp& warp, cv::Point offset) const;
+
+  void try_match(std::size_t i, cv::Point source);
+  void try_random(std::size_t i);
+  void try_row(std::size_t i);
+  void try_along_road(std::size_t i);
+  void propagate(std::size_t i, bool forward);
+  void search(std::size_t i);
+
+  float cost_of_place(cv::Point target, cv::Point source, const PatchWarp& warp) const;
+  float cost_of(cv::Point target, cv::Point source, float limit) const;
+  void count_usage();
+
+  ExemplarLevel& level_;
+  Random& random_;
+  Region targets_;
+  std::vector<Exemplar> matches_;                    // one per target
+  std::array<std::vector<cv::Point>, 256> sources_;  // centers of possible exemplars, by group
+  cv::Mat1f usage_;                                  // how often a pixel is used, relative to the mean, minus 1
+  cv::Mat1f weight_;                                 // sum of the weights of the pixels of each patch
+};
+
+}  // namespace dvi::synthesize

@@ -1,0 +1,103 @@
+#include "dvi/synthesize/surface_guide.h"
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include <opencv2/imgproc.hpp>
+
+#include "dvi/depth/depth_map.h"
+#include "dvi/drive/sensor.h"
+#include "dvi/geometry/se3.h"
+#include "dvi/harmonize/surface_class.h"
+#include "dvi/image/region.h"
+
+namespace dvi::synthesize {
+namespace {
+
+using harmonize::Kind, harmonize::SurfaceClass;
+
+/// Parameters of the surfaces.
+struct SurfaceGuideParams {
+  double max_ground_height_m = 0.35;  ///< Largest height above the ground; no curb is higher.
+  double max_blind_m = 15;            ///< Distance of ground up to which no beam of the LiDAR may hit it.
+  int median_px = 7;                  ///< Side of the square whose prevailing group a pixel of the hole has.
+  double max_depth_m = 80;            ///< Largest depth of the plane of the ground.
+};
+constexpr SurfaceGuideParams kSurfaceGuide;
+
+class Surfaces {
+ public:
+  Surfaces(const harmonize::FilledFrame& frame, const View& view, const cv::Mat1b& classes, const ground::RoadGround& ground)
+      : frame_(frame), view_(view), classes_(classes), ground_(ground), world_from_camera_(view.camera_from_world.inverse()) {
+    const auto here =
+        ground.found() && view.sensor == Sensor::lidar ? ground.road().locate(world_from_camera_.t.head<2>()) : std::nullopt;
+    if (!here) return;
+    has_ground_ = true;
+    below_m_ = world_from_camera_.t.z() - ground.height(here->x() + 8, 0);
+    along_ = ground.road().direction(here->x());
+  }
+
+  Group group_of(cv::Point p) const {
+    const float z = frame_.depth(p);
+    const bool is_hole = frame_.kind(p) >= static_cast<uchar>(Kind::interpolated);
+    if (z == depth::DepthMap::kInfinity) return Group::upright;
+    if (!has_ground_) return Group::upright;
+    const Eigen::Vector3d ray = world_from_camera_.R * view_.camera.ray({p.x, p.y});
+    if (is_hole && !classes_.empty() && classes_(p) != static_cast<uchar>(SurfaceClass::unknown))
+      return classes_(p) == static_cast<uchar>(SurfaceClass::ground) ? Group::ground : Group::upright;
+    if (!depth::DepthMap::is_solid(z)) {
+      if (is_hole) return ray.z() < 0 ? Group::ground : Group::upright;
+      if (z == depth::DepthMap::kSky || ray.z() >= 0) return Group::upright;
+      return -below_m_ / ray.z() < kSurfaceGuide.max_blind_m ? Group::ground : Group::none;
+    }
+    const Eigen::Vector3d point = world_from_camera_.t + z * ray;
+    const auto height = ground_.height(Eigen::Vector2d(point.head<2>()));
+    if (!height) return is_hole ? Group::upright : Group::none;
+    return point.z() - *height <= kSurfaceGuide.max_ground_height_m ? Group::ground : Group::upright;
+  }
+
+  cv::Vec2f ground_of(cv::Point p) const {
+    constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+    if (!has_ground_) return {kNan, kNan};
+    const Eigen::Vector3d ray = world_from_camera_.R * view_.camera.ray({p.x, p.y});
+    if (!(ray.z() < 0)) return {kNan, kNan};
+    const double z = below_m_ / -ray.z();
+    if (z > kSurfaceGuide.max_depth_m) return {kNan, kNan};
+    const Eigen::Vector2d at = z * ray.head<2>();
+    return {static_cast<float>(at.dot(along_)), static_cast<float>(along_.x() * at.y() - along_.y() * at.x())};
+  }
+
+ private:
+  const harmonize::FilledFrame& frame_;
+  const View& view_;
+  const cv::Mat1b& classes_;
+  const ground::RoadGround& ground_;
+  SE3 world_from_camera_;
+  bool has_ground_ = false;
+  double below_m_ = 0;
+  Eigen::Vector2d along_;
+};
+
+}  // namespace
+
+SurfaceGuide guide_by_surfaces(const harmonize::FilledFrame& frame, const View& view, const cv::Mat1b& classes,
+                               const ground::RoadGround& ground, const cv::Mat1b& where) {
+  const Surfaces surfaces(frame, view, classes, ground);
+  const cv::Size size = frame.kind.size();
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  SurfaceGuide out{cv::Mat1b(size, uchar{0}), cv::Mat2f(size, cv::Vec2f::all(kNan))};
+  const std::vector<cv::Point> pixels = Region(where).pixels;
+  for (const cv::Point p : pixels) out.group(p) = static_cast<uchar>(surfaces.group_of(p));
+  cv::Mat1b level(out.group == static_cast<uchar>(Group::ground));
+  cv::medianBlur(level, level, kSurfaceGuide.median_px);
+  for (const cv::Point p : pixels) {
+    if (frame.kind(p) >= static_cast<uchar>(Kind::interpolated))
+      out.group(p) = static_cast<uchar>(level(p) != 0 ? Group::ground : Group::upright);
+    if (out.group(p) == static_cast<uchar>(Group::ground)) out.ground(p) = surfaces.ground_of(p);
+  }
+  return out;
+}
+
+}  // namespace dvi::synthesize
