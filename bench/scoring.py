@@ -180,7 +180,7 @@ class Scorer:
         with tempfile.TemporaryDirectory(dir=self.root) as covered:
             intersect(true_masks, self.given_masks(case), Path(covered))
             return {name: {origin: figures for origin, figures in self.evaluate(case, out, "--masks", masks).items()
-                           if origin in ("all", "copied", "interpolated", "synthesized", "empty")}
+                           if origin in ("all", "copied", "interpolated", "synthesized", "empty", "imported")}
                     for name, masks in (("all", true_masks), ("covered", covered))}
 
     def beside(self, case: Case, frames: Path) -> dict:
