@@ -217,5 +217,5 @@ def eval(out: "str | os.PathLike", truth: "str | os.PathLike | None" = None, *, 
 
 def export(format: str, out: "str | os.PathLike", folder: "str | os.PathLike", *, threads: int = 0, progress: Progress = None,
            **options: Any) -> dict:
-    """Writes a result for other tools: what `dvi export --json` prints. format: colmap, nerfstudio, ply, las, ortho, mcap, video."""
+    """Writes a result for other tools: what `dvi export --json` prints. format: colmap, nerfstudio, ply, las, ortho, mcap, video, holes."""
     return json.loads(_dvi.export(format, os.fspath(out), os.fspath(folder), options, threads, progress))
