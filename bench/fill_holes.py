@@ -1,4 +1,4 @@
-"""Fills the holes that `dvi export holes` writes by the inpainters of OpenCV, which stand for other programs in the benchmark."""
+"""Fills the holes that `dvi export holes` writes by the inpainters of OpenCV, the benchmark's examples of other programs."""
 import shutil
 from pathlib import Path
 

@@ -212,6 +212,8 @@ TEST_F(ImportFillCommand, RefusesUnsuitableImages) {
   write_fill("numbers", [](const cv::Mat3b& image) { return image; }, [](std::size_t i) { return std::to_string(i); });
   fs::remove(folder / "numbers/1.png");
   expect_refused("numbers", "has 2 images, but the result has 3 frames");
+  fs::rename(folder / "numbers/0.png", folder / "numbers" / (names[1] + ".png"));
+  expect_refused("numbers", "2.png: does not have the name of a frame, but other images have");
   const fs::path second = folder / "fill" / (names[1] + ".png");
   const std::string whole = read_file(second);
   write_file(second, whole.substr(0, whole.size() / 2));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -65,6 +66,16 @@ std::vector<std::optional<fs::path>> assign_by_order(const fs::path& folder, con
   return {files.begin(), files.end()};
 }
 
+/// Throws InputError if an image does not belong to a frame, although others do: a program may count its images from 0, and
+/// some of its numbers may be names of other frames.
+void require_names_of_frames(const std::vector<fs::path>& files, const std::vector<std::string>& names) {
+  const std::set<std::string> known(names.begin(), names.end());
+  for (const fs::path& file : files)
+    if (const std::string stem = file.stem().string(); !known.contains(stem) && !known.contains(remove_mask_ending(stem)))
+      throw InputError(file, "does not have the name of a frame, but other images have",
+                       fmt::format("give all images the names of their frames, {} to {}", names.front(), names.back()));
+}
+
 }  // namespace
 
 std::vector<std::optional<fs::path>> assign_images(const fs::path& folder, const std::vector<std::string>& names,
@@ -72,6 +83,7 @@ std::vector<std::optional<fs::path>> assign_images(const fs::path& folder, const
   const std::vector<fs::path> files = list_images(folder);
   const std::map<std::string, fs::path> images = map_names(files, names);
   if (images.empty()) return assign_by_order(folder, files, names);
+  require_names_of_frames(files, names);
   std::vector<std::optional<fs::path>> assigned(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (needed[i] == 0) continue;

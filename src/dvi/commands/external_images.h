@@ -12,7 +12,8 @@ namespace dvi::commands {
 
 /// Assigns the images of a folder to frames: by their names (NAME, or NAME_mask with digits), or, if no image has the name of a
 /// frame, in natural order. `needed` states for each name whether the frame needs an image; others get none if images are
-/// assigned by name. Throws InputError if an image is missing, if a frame has two, or if the numbers differ.
+/// assigned by name. Throws InputError if an image is missing, if a frame has two, if only some images have the name of a
+/// frame, or if the numbers differ.
 std::vector<std::optional<fs::path>> assign_images(const fs::path& folder, const std::vector<std::string>& names,
                                                    const std::vector<char>& needed);
 

@@ -117,6 +117,8 @@ FillImages FillImport::read_run_images(std::size_t frame) const {
 
 void FillImport::begin() {
   for (const char* folder : kChangedPictures) make_folder(out_ / file_before_import(folder));
+  for (const fs::path& folder : list_own_folders(out_))
+    if (fs::exists(folder)) remove_temporaries(folder);  // an interrupted import leaves some
   Manifest manifest = *read_manifest(result_manifest(out_));
   manifest.fingerprint.clear();
   write_manifest(result_manifest(out_), manifest);

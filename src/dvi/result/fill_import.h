@@ -72,8 +72,8 @@ class FillImport {
   FolderLock lock_;
   std::vector<std::string> names_;
   cv::Size size_;
-  job::Job job_;             // of OUT/dvi.toml
-  std::string fingerprint_;  // of the run
+  job::Job job_;             // the options in OUT/dvi.toml
+  std::string fingerprint_;  // the run's
 };
 
 }  // namespace dvi::result

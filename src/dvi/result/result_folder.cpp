@@ -72,16 +72,6 @@ std::vector<std::string> list_pictures(const std::string& name) {
   return files;
 }
 
-/// Lists the folders that a run writes to.
-std::vector<fs::path> list_own_folders(const fs::path& out) {
-  std::vector<fs::path> folders{out, out / ".dvi", out / ".dvi/frames", out / ".dvi/masks", out / ".dvi/report"};
-  for (const std::string& folder : picture_folders()) folders.push_back(out / folder);
-  for (const char* folder : {"map", "report", "report/before", "report/truth", "report/sources", ".dvi/before_import/frames",
-                             ".dvi/before_import/kind"})
-    if (fs::exists(out / folder)) folders.push_back(out / folder);
-  return folders;
-}
-
 /// Lists the existing files that complete() writes; a baseline has no map. Reports and options are left out, because they
 /// contain times and paths, and because the report is written again when a result is scored.
 std::vector<std::string> list_other_files(const fs::path& out) {
@@ -124,6 +114,15 @@ void require_apart_from(const fs::path& input, const fs::path& out) {
 const std::vector<std::string>& picture_folders() {
   static const std::vector<std::string> folders{"frames",       "masks",         "kind",       "provenance",
                                                 "sources_used", "harmonization", "confidence", "depth"};
+  return folders;
+}
+
+std::vector<fs::path> list_own_folders(const fs::path& out) {
+  std::vector<fs::path> folders{out, out / ".dvi", out / ".dvi/frames", out / ".dvi/masks", out / ".dvi/report"};
+  for (const std::string& folder : picture_folders()) folders.push_back(out / folder);
+  for (const char* folder : {"map", "report", "report/before", "report/truth", "report/sources", ".dvi/before_import/frames",
+                             ".dvi/before_import/kind"})
+    if (fs::exists(out / folder)) folders.push_back(out / folder);
   return folders;
 }
 

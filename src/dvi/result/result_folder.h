@@ -22,6 +22,9 @@ void require_usable_folder(const job::Job& job);
 /// Throws InputError if job.out is, contains, or is inside of an input of the job. Changes no file.
 void require_apart(const job::Job& job);
 
+/// Lists the folders that a run writes to.
+std::vector<fs::path> list_own_folders(const fs::path& out);
+
 /// Return the manifests of a finished frame, and of the files other than the frames.
 fs::path frame_manifest(const fs::path& out, const std::string& name);
 fs::path result_manifest(const fs::path& out);
