@@ -25,7 +25,7 @@ struct FrameBefore {
 /// A result with unobserved pixels behind a truck, and the frames of another program, which fills them with a flat color.
 class ImportFillCommand : public ProgramTest {
  protected:
-  using json = nlohmann::json;
+  using Json = nlohmann::json;
 
   ImportFillCommand() {
     small_drive("drive", "--truck", 3);
@@ -57,7 +57,7 @@ class ImportFillCommand : public ProgramTest {
     return count;
   }
 
-  json read_report() const { return json::parse(read_file(folder / "out/report.json")); }
+  Json read_report() const { return Json::parse(read_file(folder / "out/report.json")); }
 
   void expect_refused(const std::string& fill, const std::string& message) const {
     const auto before = ::dvi::contents(folder / "out");
@@ -79,7 +79,7 @@ TEST_F(ImportFillCommand, ChangesOnlyUnobservedPixels) {
 
   const Result result = dvi("import-fill out fill --json --quiet");
   ASSERT_EQ(result.code, 0) << result.err;
-  EXPECT_EQ(json::parse(result.out)["pixels"], unobserved);
+  EXPECT_EQ(Json::parse(result.out)["pixels"], unobserved);
   for (std::size_t i = 0; i < names.size(); ++i) {
     const cv::Mat1b hole(frames[i].kind >= 3), kinds = kind(names[i]);
     EXPECT_EQ(cv::countNonZero((kinds == 6) != hole), 0);
@@ -88,7 +88,7 @@ TEST_F(ImportFillCommand, ChangesOnlyUnobservedPixels) {
     for (const char* same : {"masks", "provenance", "sources_used", "harmonization", "confidence", "depth"})
       EXPECT_TRUE(before.at(std::string(same) + "/" + names[i] + ".png") == read_file(picture(same, names[i]))) << same;
   }
-  const json report = read_report();
+  const Json report = read_report();
   EXPECT_EQ(report["hole"]["imported"], unobserved);
   EXPECT_EQ(report["hole"]["synthesized"], 0);
   EXPECT_EQ(report["frames"][0]["external"]["xxh3"], compute_file_hash(folder / "fill" / (names[0] + ".png")));
@@ -100,8 +100,8 @@ TEST_F(ImportFillCommand, IsRecordedAndAudited) {
   ASSERT_EQ(dvi("import-fill out fill --quiet").code, 0);
   const Result audit = dvi("audit out drive --json --quiet");
   EXPECT_EQ(audit.code, 0) << audit.out << audit.err;
-  EXPECT_EQ(json::parse(audit.out)["imported_pixels"], count_unobserved());
-  const json evaluation = json::parse(dvi("eval out --truth drive/truth --json --quiet").out);
+  EXPECT_EQ(Json::parse(audit.out)["imported_pixels"], count_unobserved());
+  const Json evaluation = Json::parse(dvi("eval out --truth drive/truth --json --quiet").out);
   EXPECT_GT(evaluation["imported"]["pixels"], 0);
 
   std::vector<cv::Point> imported;
@@ -111,7 +111,7 @@ TEST_F(ImportFillCommand, IsRecordedAndAudited) {
   const std::string file = (folder / "fill" / (names[1] + ".png")).string();
   EXPECT_THAT(text.out,
               AllOf(HasSubstr("imported"), HasSubstr("external"), HasSubstr(file), HasSubstr(compute_file_hash(file))));
-  EXPECT_EQ(json::parse(dvi("inspect out " + at + " --json").out)["external"]["file"], file);
+  EXPECT_EQ(Json::parse(dvi("inspect out " + at + " --json").out)["external"]["file"], file);
 }
 
 TEST_F(ImportFillCommand, IsReplacedByTheNextImportAndUndone) {
@@ -137,7 +137,7 @@ TEST_F(ImportFillCommand, TakesNamesOfLamaNumbersAndJpeg) {
   const auto pixels = [&](const std::string& fill) {
     const Result result = dvi("import-fill out " + fill + " --json --quiet");
     EXPECT_EQ(result.code, 0) << result.err;
-    return json::parse(result.out)["pixels"].get<std::size_t>();
+    return Json::parse(result.out)["pixels"].get<std::size_t>();
   };
   const auto as_is = [](const cv::Mat3b& image) { return image; };
   write_fill("lama", as_is, [&](std::size_t i) { return names[i] + "_mask001"; });
@@ -267,7 +267,7 @@ TEST_F(ImportFillCommand, CanBeRepeatedAfterAnInterruption) {
           kept + "kind/" + second + ".png", "frames/" + first + ".png", "kind/" + first + ".png", "kind/" + second + ".png",
           ".dvi/frames/" + first + ".json"})
       temporary.write("out/" + file, imported.at(file));
-    json manifest = json::parse(of_run.at(".dvi/result.json"));
+    Json manifest = Json::parse(of_run.at(".dvi/result.json"));
     manifest["fingerprint"] = "", manifest.erase("seal");
     manifest["seal"] = compute_hash(manifest.dump());
     write_file(folder / "out/.dvi/result.json", manifest.dump(1) + "\n");
@@ -294,7 +294,7 @@ TEST_F(ImportFillCommand, FailsTheAuditIfObservedPixelsChange) {
   const auto findings = [&] {
     const Result audit = dvi("audit out drive --json --quiet");
     EXPECT_EQ(audit.code, 3);
-    return json::parse(audit.out)["findings"]["imported"]["pixels"].get<int>();
+    return Json::parse(audit.out)["findings"]["imported"]["pixels"].get<int>();
   };
   kinds(observed[0]) = 6;
   media::write_png(picture("kind", names[0]), kinds);
@@ -309,7 +309,7 @@ TEST_F(ImportFillCommand, FailsTheAuditIfObservedPixelsChange) {
 TEST_F(ImportFillCommand, HasFramesMasksDepthAndCamerasForOtherPrograms) {
   const Result result = dvi("export holes out -o holes --grow-px 3 --json --quiet");
   ASSERT_EQ(result.code, 0) << result.err;
-  EXPECT_EQ(json::parse(result.out)["counts"]["pixels"], count_unobserved());
+  EXPECT_EQ(Json::parse(result.out)["counts"]["pixels"], count_unobserved());
   for (const std::string& name : names) {
     const cv::Mat1b hole(kind(name) >= 3), mask = media::read_png_gray(folder / "holes/masks" / (name + ".png"), kSize);
     EXPECT_EQ(cv::countNonZero(hole & ~mask), 0);
@@ -319,7 +319,7 @@ TEST_F(ImportFillCommand, HasFramesMasksDepthAndCamerasForOtherPrograms) {
     EXPECT_EQ(cv::countNonZero((distance > 3.5F) & mask), 0);
     EXPECT_EQ(read_file(folder / "holes/frames" / (name + ".png")), read_file(picture("frames", name)));
     EXPECT_EQ(read_file(folder / "holes/depth" / (name + ".png")), read_file(picture("depth", name)));
-    const json camera = json::parse(read_file(folder / "holes/cameras" / (name + ".json")));
+    const Json camera = Json::parse(read_file(folder / "holes/cameras" / (name + ".json")));
     EXPECT_EQ(camera["size"], (std::vector<int>{kSize.width, kSize.height}));
     EXPECT_EQ(camera["world_from_camera"].size(), 4U);
   }

@@ -25,16 +25,18 @@ void add_import_fill(Program& program) {
   a->common.add_to(command, true, false);
   command.examples({"dvi export holes OUT -o holes       frames and masks for the other program",
                     "dvi import-fill OUT holes/filled    its frames", "dvi import-fill OUT --undo          as before"});
-  command.run([a] {
-    if (a->undo != a->frames.empty())
-      throw UsageError("give either FRAMES, the folder of the other program's images, or --undo");
-    const ThreadLimit limit(a->common.threads);
-    Progress progress(a->common.style());
-    const commands::ImportReport report =
-        a->undo ? commands::undo_import(a->out, progress) : commands::import_fill(a->out, a->frames, progress);
-    progress.end();
-    fmt::print("{}\n", a->common.json ? commands::to_json(report, a->out) : commands::brief(report, a->out));
-  });
+  command.run(
+      [a] {
+        if (a->undo != a->frames.empty())
+          throw UsageError("give either FRAMES, the folder of the other program's images, or --undo");
+        const ThreadLimit limit(a->common.threads);
+        Progress progress(a->common.style());
+        const commands::ImportReport report =
+            a->undo ? commands::undo_import(a->out, progress) : commands::import_fill(a->out, a->frames, progress);
+        progress.end();
+        fmt::print("{}\n", a->common.json ? commands::to_json(report, a->out) : commands::brief(report, a->out));
+      },
+      [] { return std::string("the same command completes the import, and --undo restores the frames of the run"); });
 }
 
 }  // namespace dvi::cli

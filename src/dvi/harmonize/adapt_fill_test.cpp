@@ -55,6 +55,16 @@ TEST(AdaptFill, FollowsAnOffsetThatVariesLinearly) {
   EXPECT_LE(find_largest_difference(adapt_fill(frame, fill, make_hole({10, 10, 30, 20})), frame), 1);
 }
 
+TEST(AdaptFill, IgnoresBoundaryPixelsThatShowAnotherObject) {
+  const cv::Mat3b frame = make_texture(100);
+  cv::Mat3b fill = make_texture(90);
+  fill(cv::Rect(0, 14, 12, 6)).setTo(cv::Scalar(255, 255, 255));  // continues into the hole, but not in the frame
+  const cv::Rect hole(10, 10, 30, 20), away(20, 10, 20, 20);
+  const cv::Mat3b out = adapt_fill(frame, fill, make_hole(hole));
+  EXPECT_LE(find_largest_difference(out(away), frame(away)), 1);
+  EXPECT_GT(out(17, 10)[1], 230);
+}
+
 TEST(AdaptFill, KeepsPixelsOutsideTheHole) {
   const cv::Mat3b frame = make_texture(100), fill(kImage, cv::Vec3b(0, 0, 0));
   const cv::Mat1b hole = make_hole({0, 0, 60, 12});  // three sides are borders of the image
