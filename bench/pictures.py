@@ -22,7 +22,7 @@ from matplotlib import pyplot  # noqa: E402  after the choice of how to draw
 TILE = (240, 160)  # size of a crop, pixels
 COLUMNS = 4
 LABEL = 16  # height of a tile's title
-KINDS = {1: (0, 170, 60), 2: (40, 90, 255), 3: (250, 200, 0), 4: (230, 40, 40), 5: (0, 0, 0)}
+KINDS = {1: (0, 170, 60), 2: (40, 90, 255), 3: (250, 200, 0), 4: (230, 40, 40), 5: (0, 0, 0), 6: (160, 60, 200)}
 
 
 def save(figure: pyplot.Figure, file: Path) -> None:

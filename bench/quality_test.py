@@ -194,7 +194,7 @@ class FromEndToEnd(unittest.TestCase):
     def test_a_small_street(self):
         root = Path(self.enterContext(tempfile.TemporaryDirectory()))
         case = cases.street((160, 90), 4)[0]
-        methods = [method for method in variants.METHODS if method.name in ("telea", "dvi")]
+        methods = [method for method in variants.METHODS if method.name in ("telea", "dvi-telea", "dvi")]
         ablations = [variants.ABLATIONS[0]]
         scorer = Scorer(DVI, root)
 
@@ -205,8 +205,11 @@ class FromEndToEnd(unittest.TestCase):
 
         first = outcome()
         self.assertEqual(first.failures, [])
-        self.assertEqual({name for _, name in first.results}, {"dvi", "telea", "no-poisson"})
-        self.assertEqual(first.audits(), {("street-exact", name): "" for name in ("dvi", "telea", "no-poisson")})
+        self.assertEqual({name for _, name in first.results}, {"dvi", "dvi-telea", "telea", "no-poisson"})
+        self.assertEqual(first.audits(), {("street-exact", name): "" for name in ("dvi", "dvi-telea", "telea", "no-poisson")})
+        imported, ours = (first.evaluation(case, name) for name in ("dvi-telea", "dvi"))
+        self.assertEqual(imported["imported"]["pixels"], ours["synthesized"]["pixels"])
+        self.assertEqual(imported["copied"]["mae"], ours["copied"]["mae"])
         shown = scorer.result_folder(case, "dvi")
         self.assertTrue((shown / "report.html").exists())
         self.assertTrue((shown / "report/truth/000000.png").exists())
@@ -226,7 +229,7 @@ class FromEndToEnd(unittest.TestCase):
         page.write(root / "page.md", root / "images", again, scorer, "test")
         text = (root / "page.md").read_text()
         self.assertIn("**100.00 / 100.00**", text)
-        self.assertIn("Provenance: 3 runs, all pass `dvi audit`", text)
+        self.assertIn("Provenance: 4 runs, all pass `dvi audit`", text)
         self.assertIn("| `a.b` | 1 | 2 |", text)
         self.assertIn("results/street-exact/dvi/report.html", text)
         self.assertEqual({file.name for file in (root / "images").iterdir()},

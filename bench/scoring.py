@@ -17,6 +17,7 @@ from pathlib import Path
 from PIL import Image, ImageChops
 
 from cases import Case
+from fill_holes import fill_holes
 from variants import AS_GIVEN, DVI, Variant
 
 
@@ -120,7 +121,9 @@ class Scorer:
 
     def run_key(self, case: Case, variant: Variant) -> str:
         program = [hash_of(variant.program)] if variant.program else []
-        return key_of(self.case_key(case), case.truth, case.ignore, case.true_masks, self.run_arguments(case, variant), "audit", *program)
+        fill = [variant.fill] if variant.fill else []
+        return key_of(self.case_key(case), case.truth, case.ignore, case.true_masks, self.run_arguments(case, variant), "audit", *program,
+                      *fill)
 
     def known(self, case: Case, variant: Variant) -> dict | None:
         """The result, if there is one that is still true."""
@@ -136,6 +139,8 @@ class Scorer:
         arguments = self.run_arguments(case, variant)
         self.call(*arguments, "-o", out, cwd=self.folder(case), program=variant.program)
         report = json.loads((out / "report.json").read_text())
+        if variant.fill and report["hole"]["share"]["unobserved"] > 0:
+            self.import_fill(out, variant.fill)
         # First, because the report shows the truth of the last evaluation.
         true_pixels = self.true_pixels(case, out) if case.true_masks and variant in (DVI, AS_GIVEN) else None
         result = {
@@ -155,6 +160,14 @@ class Scorer:
         result["seconds"] = time.monotonic() - begun
         self.keep(case, variant.name, out, result, whole=variant == DVI)
         return result
+
+    def import_fill(self, out: Path, inpainter: str) -> None:
+        """Fills the unobserved pixels of a result by another program."""
+        with tempfile.TemporaryDirectory(dir=self.root) as folder:
+            holes, filled = Path(folder) / "holes", Path(folder) / "filled"
+            self.call("export", "holes", out, "-o", holes, cwd=self.root)
+            fill_holes(holes, filled, inpainter)
+            self.call("import-fill", out, filled, cwd=self.root)
 
     def audit(self, case: Case, variant: Variant, out: Path) -> str:
         """The problem that the audit found in a run's provenance; empty: none."""
@@ -180,7 +193,7 @@ class Scorer:
         with tempfile.TemporaryDirectory(dir=self.root) as covered:
             intersect(true_masks, self.given_masks(case), Path(covered))
             return {name: {origin: figures for origin, figures in self.evaluate(case, out, "--masks", masks).items()
-                           if origin in ("all", "copied", "interpolated", "synthesized", "empty")}
+                           if origin in ("all", "copied", "interpolated", "synthesized", "empty", "imported")}
                     for name, masks in (("all", true_masks), ("covered", covered))}
 
     def beside(self, case: Case, frames: Path) -> dict:

@@ -14,6 +14,7 @@ class Variant:
     what: str
     arguments: tuple[str, ...] = ()  # arguments of `dvi run`
     fusion: bool = True  # whether source drives are used
+    fill: str = ""  # the inpainter whose fill of the unobserved pixels is imported (fill_holes.py); empty: none
     program: Path | None = None  # a program with a changed constant; None: the program under test
 
 
@@ -29,6 +30,8 @@ METHODS = (
     Variant("paper", "the published form of every stage", ("--method", "paper")),
     Variant("interpolate", "dvi with unobserved pixels interpolated instead of synthesized (`harmonize.unobserved=interpolate`)",
             ("--set", "harmonize.unobserved=interpolate")),
+    Variant("dvi-telea", "dvi with unobserved pixels imported from OpenCV's inpainting after Telea (`dvi import-fill`)", fill="telea"),
+    Variant("dvi-fsr", "the same, from OpenCV's frequency selective reconstruction", fill="fsr"),
     DVI,
 )
 

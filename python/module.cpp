@@ -12,6 +12,7 @@
 
 #include "dvi/commands/check.h"
 #include "dvi/commands/evaluate_result.h"
+#include "dvi/commands/import_fill.h"
 #include "dvi/commands/make_masks.h"
 #include "dvi/core/error.h"
 #include "dvi/core/json_text.h"
@@ -170,6 +171,12 @@ void bind_commands(py::module_& m) {
     const exports::ExportFormat& to = exports::find_export_format(format);
     return run_task(threads, progress, [&](Progress& p) {
       return exports::to_json(exports::export_result(to, out, folder, chosen, p), to.name, folder);
+    });
+  });
+  m.def("import_fill", [](const std::string& out, const std::string& frames, int threads, const py::object& progress) {
+    return run_task(threads, progress, [&](Progress& p) {
+      return dvi::commands::to_json(
+          frames.empty() ? dvi::commands::undo_import(out, p) : dvi::commands::import_fill(out, frames, p), out);
     });
   });
 }

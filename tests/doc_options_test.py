@@ -68,7 +68,7 @@ def missing(page, text, known, known_commands, others):
         if section in sections and key not in ENDINGS and f"{section}.{key}" not in known:
             yield f"there is no option {section}.{key}"
     for piece in code:
-        for name, rest in re.findall(r"(?<![\w/.-])dvi ([a-z]+(?: dump)?)([^|]*)", piece):
+        for name, rest in re.findall(r"(?<![\w/.-])dvi ([a-z]+(?:-[a-z]+)*(?: dump)?)([^|]*)", piece):
             if name not in known_commands:
                 if not sentence(rest):
                     yield f"there is no command dvi {name}"

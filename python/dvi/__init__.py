@@ -29,7 +29,7 @@ InputError.__module__ = UsageError.__module__ = Frame.__module__ = __name__
 
 __version__: str = _dvi.version
 __all__ = ["Box", "Camera", "Dataset", "Frame", "FrameData", "InputError", "Map", "Masks", "Run", "ScanData", "UsageError", "check",
-           "config", "convert", "eval", "export", "map", "masks", "run"]
+           "config", "convert", "eval", "export", "import_fill", "map", "masks", "run"]
 
 Source = Union[str, os.PathLike, Dataset]
 Progress = Optional[Callable[[str, int, int], None]]
@@ -217,5 +217,14 @@ def eval(out: "str | os.PathLike", truth: "str | os.PathLike | None" = None, *, 
 
 def export(format: str, out: "str | os.PathLike", folder: "str | os.PathLike", *, threads: int = 0, progress: Progress = None,
            **options: Any) -> dict:
-    """Writes a result for other tools: what `dvi export --json` prints. format: colmap, nerfstudio, ply, las, ortho, mcap, video."""
+    """Writes a result for other tools: what `dvi export --json` prints. format: colmap, nerfstudio, ply, las, ortho, mcap, video, holes."""
     return json.loads(_dvi.export(format, os.fspath(out), os.fspath(folder), options, threads, progress))
+
+
+def import_fill(out: "str | os.PathLike", frames: "str | os.PathLike | None" = None, *, undo: bool = False, threads: int = 0,
+                progress: Progress = None) -> dict:
+    """Fills the unobserved pixels of a result from another program's images: what `dvi import-fill --json` prints. frames: the folder
+    of the images, one per frame. undo: restores the frames of the run instead."""
+    if undo == (frames is not None):
+        raise TypeError("import_fill() takes either frames or undo=True")
+    return json.loads(_dvi.import_fill(os.fspath(out), "" if undo else os.fspath(frames), threads, progress))

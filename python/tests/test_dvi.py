@@ -1,7 +1,9 @@
 """The package on small synthetic drives that the program makes."""
 import gc
+import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import time
@@ -136,6 +138,21 @@ def test_the_other_commands(street, result, tmp_path):
     assert scores["all"]["frames"] == 5 and "own" in str(scores)
     assert dvi.eval(result, street / "truth", masks=result / "masks")["all"] == scores["all"]
     assert dvi.export("ply", result, tmp_path / "ply")["counts"]["points"] > 1000
+
+
+def test_another_programs_fill_is_imported(street, result, tmp_path):
+    out = tmp_path / "out"
+    shutil.copytree(result, out)
+    holes = dvi.export("holes", out, tmp_path / "holes", layout="pairs", grow_px=1)["counts"]
+    dvi.run(street, method="telea", out=tmp_path / "telea").finish()
+    assert dvi.import_fill(out, tmp_path / "telea/frames")["pixels"] == holes["pixels"] > 0
+    assert json.loads((out / "report.json").read_text())["hole"]["imported"] == holes["pixels"]
+    assert dvi.import_fill(out, undo=True)["pixels"] == 0
+    assert (out / "video.mp4").read_bytes() == (result / "video.mp4").read_bytes()
+    with pytest.raises(TypeError, match="either frames or undo"):
+        dvi.import_fill(out)
+    with pytest.raises(dvi.InputError, match="the frames of the result itself"):
+        dvi.import_fill(out, out / "frames")
 
 
 def test_errors_have_the_words_of_the_program(street, tmp_path):

@@ -99,6 +99,36 @@ def pieces_killed(scene):
     return ", ".join(done) or "no kill before the ends", differences(scene.expected, scene.out)
 
 
+def import_killed(scene):
+    """An import of another program's fill is killed up to three times; then it is repeated or undone, or a run completes it."""
+    fill, imported = scene.folder / "fill", scene.folder / "imported"
+    scene.program.call("run", scene.drive, "-o", fill, "--method", "telea")
+    shutil.copytree(scene.complete, imported)
+    shutil.copytree(scene.complete, scene.out)
+    begun = time.monotonic()
+    ended = scene.program.call("import-fill", imported, fill / "frames")
+    seconds, done = time.monotonic() - begun, []
+    if ended.code != 0:
+        return "an import", [f"exit {ended.code}: {classify.first_line(ended.err)}"]
+    for _ in range(scene.rng.randint(1, 3)):
+        moment = scene.rng.uniform(0, seconds)
+        process = scene.program.start("import-fill", scene.out, fill / "frames")
+        try:
+            process.wait(moment)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+            done.append(f"SIGKILL at {moment:.2f} s")
+    end, arguments, expected = scene.rng.choice((
+        ("repeated", ("import-fill", scene.out, fill / "frames"), contents(imported)),
+        ("undone", ("import-fill", scene.out, "--undo"), scene.expected),
+        ("a run", ("run", scene.drive, "-o", scene.out), None)))
+    calls = (arguments, ("audit", scene.out, scene.drive))
+    found = [f"{call[0]} exits with {ended.code}: {classify.first_line(ended.err)}"
+             for call in calls if (ended := scene.program.call(*call)).code != 0]
+    return ", ".join([*done, end]), found + (differences(expected, scene.out) if expected else [])
+
+
 def stages_damaged(scene):
     """Frames are missing, and files of cached stages are missing or damaged."""
     shutil.copytree(scene.complete, scene.out)
@@ -269,4 +299,4 @@ class Tmpfs:
 
 
 ALL = (killed, damaged, power_cut, disk_full, stages_damaged, killed, two_at_once, read_only, input_changed, damaged,
-       killed_after_stage, stages_damaged, pieces_killed)
+       killed_after_stage, stages_damaged, pieces_killed, import_killed)

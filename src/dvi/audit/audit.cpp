@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "dvi/core/error.h"
@@ -44,15 +45,28 @@ struct WrittenFrame {
   cv::Mat_<cv::Vec3w> harmonization;
 };
 
+/// The images of a frame that an import changed, as the run wrote them.
+struct FrameBefore {
+  FrameBefore(const fs::path& folder, const std::string& name, cv::Size size)
+      : frame(media::read_image(folder / "frames" / (name + ".png"), size)),
+        kind(media::read_png_gray(folder / "kind" / (name + ".png"), size)) {}
+
+  cv::Mat3b frame;
+  cv::Mat1b kind;
+};
+
 class FrameAuditor {
  public:
-  FrameAuditor(const fs::path& out, const Views& views, std::size_t target, const std::string& name)
+  FrameAuditor(const fs::path& out, const Views& views, std::size_t target, const std::string& name,
+               const ImportedFrames& imported)
       : views_(views),
         target_(target),
         name_(name),
         written_(out, name, {views[target].camera.width, views[target].camera.height}),
         image_(views.images[target]),
-        mask_(views.masks[target]) {}
+        mask_(views.masks[target]) {
+    if (imported.names.contains(name)) before_.emplace(imported.before, name, mask_->size());
+  }
 
   FrameAudit check() {
     result_.audit.frames = 1;
@@ -63,6 +77,8 @@ class FrameAuditor {
         if (((*mask_)(p) != 0) != (written_.mask(p) != 0)) add_finding(Breach::mask, p);
         result_.audit.removed += written_.mask(p) != 0 ? 1 : 0;
         if (written_.mask(p) == 0 && written_.frame(p) != (*image_)(p)) add_finding(Breach::outside, p);
+        if (!is_as_run_wrote(p)) add_finding(Breach::imported, p);
+        result_.audit.imported += is_imported(p) ? 1 : 0;
         if (!is_consistent(p))
           add_finding(Breach::provenance, p);
         else if (written_.provenance(p)[0] > 0)
@@ -83,11 +99,20 @@ class FrameAuditor {
           " of the result differs from the image of the drive: audit a result with the drives from which it was made");
   }
 
+  bool is_imported(cv::Point p) const { return written_.kind(p) == static_cast<uchar>(harmonize::Kind::imported); }
+
+  /// Returns whether an import replaced only an unobserved pixel, and recorded that.
+  bool is_as_run_wrote(cv::Point p) const {
+    if (!before_) return !is_imported(p);
+    if (is_imported(p)) return harmonize::is_unobserved(before_->kind(p));
+    return written_.kind(p) == before_->kind(p) && written_.frame(p) == before_->frame(p);
+  }
+
   /// Returns whether kind, mask, and provenance agree, and the source exists.
   bool is_consistent(cv::Point p) const {
     const auto kind = static_cast<harmonize::Kind>(written_.kind(p));
     const bool copied = kind == harmonize::Kind::copied || kind == harmonize::Kind::copied_elsewhere;
-    if (kind > harmonize::Kind::empty || (kind == harmonize::Kind::original) != (written_.mask(p) == 0)) return false;
+    if (kind > harmonize::Kind::imported || (kind == harmonize::Kind::original) != (written_.mask(p) == 0)) return false;
     const cv::Vec3b& used = written_.used(p);
     if (copied != (written_.provenance(p)[0] > 0) || copied != (used[0] > 0 && used[1] > 0 && used[2] > 0)) return false;
     if (!copied) return true;
@@ -131,6 +156,7 @@ class FrameAuditor {
   std::size_t target_;
   std::string name_;
   WrittenFrame written_;
+  std::optional<FrameBefore> before_;  ///< none if the fill was not imported
   std::shared_ptr<const cv::Mat3b> image_;
   std::shared_ptr<const cv::Mat1b> mask_;
   FrameAudit result_;
@@ -140,6 +166,7 @@ void add(const FrameAudit& frame, FrameAudit& sum) {
   sum.audit.frames += frame.audit.frames;
   sum.audit.removed += frame.audit.removed;
   sum.audit.copied += frame.audit.copied;
+  sum.audit.imported += frame.audit.imported;
   for (std::size_t b = 0; b < kBreaches.size(); ++b) {
     const Finding& more = frame.audit.findings[b];
     Finding& finding = sum.audit.findings[b];
@@ -169,13 +196,14 @@ bool Audit::passed() const {
   return std::all_of(findings.begin(), findings.end(), [](const Finding& f) { return f.pixels == 0; });
 }
 
-Audit audit_result(const fs::path& out, const Views& views, const std::vector<std::string>& names, const Tick& tick) {
+Audit audit_result(const fs::path& out, const Views& views, const std::vector<std::string>& names,
+                   const ImportedFrames& imported, const Tick& tick) {
   require_known_frames(out, names);
   FrameAudit sum;
   for_blocks(names.size(), [&](std::size_t first, std::size_t last) {
     std::vector<FrameAudit> block(last - first);
     parallel_in_order(block.size(), [&](std::size_t i) {
-      block[i] = FrameAuditor(out, views, first + i, names[first + i]).check();
+      block[i] = FrameAuditor(out, views, first + i, names[first + i], imported).check();
       tick();
     });
     for (const FrameAudit& frame : block) add(frame, sum);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,9 @@ enum class Breach : std::uint8_t {
                   ///< colors; named "receipt" in files
   masked_source,  ///< copied from inside a mask
   color,          ///< source and recorded harmonization do not reproduce the color
+  imported,       ///< an import changed a pixel that the run had observed, or has no record
 };
-inline constexpr std::array<const char*, 5> kBreaches{"mask", "outside", "receipt", "masked_source", "color"};
+inline constexpr std::array<const char*, 6> kBreaches{"mask", "outside", "receipt", "masked_source", "color", "imported"};
 
 /// The number of pixels with an error, and the first of them.
 struct Finding {
@@ -32,16 +34,26 @@ struct Finding {
 /// The result of an audit.
 struct Audit {
   std::size_t frames = 0, removed = 0, copied = 0;  ///< pixels in masks, and copied pixels among them
+  std::size_t imported = 0;                         ///< pixels that another program filled
   double change_median = 0, change_p95 = 0;         ///< |harmonization| of copied pixels, mean over channels, gray levels
   std::array<Finding, kBreaches.size()> findings;   ///< indexed by Breach
 
   bool passed() const;
 };
 
+/// The frames whose fill was imported from another program, and the folder of their images before that: frames/NAME.png and
+/// kind/NAME.png, as the run wrote them.
+struct ImportedFrames {
+  std::set<std::string> names;
+  fs::path before;
+};
+
 /// Checks every pixel of a result against the drives. `views` have the numbers of the sources in OUT/sources.json, with the
 /// images and masks of the drives; `names` are those of the target's frames (the views of drive 0). Throws InputError if an
 /// image is missing, truncated, or differs in size, or if the result has frames that the drive does not have. Calls `tick` once
 /// per frame.
-Audit audit_result(const fs::path& out, const Views& views, const std::vector<std::string>& names, const Tick& tick = [] {});
+Audit audit_result(
+    const fs::path& out, const Views& views, const std::vector<std::string>& names, const ImportedFrames& imported,
+    const Tick& tick = [] {});
 
 }  // namespace dvi::audit

@@ -95,6 +95,7 @@ void add_selfcheck(Program& program);
 void add_synth(Program& program);
 void add_demo(Program& program);
 void add_export(Program& program);
+void add_import_fill(Program& program);
 void add_completion(Program& program);
 void add_init(Program& program);
 void add_convert(Program& program);

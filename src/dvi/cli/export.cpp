@@ -36,7 +36,8 @@ void add_export(Program& program) {
   a->common.add_to(command, true, false);
   command.examples({"dvi export colmap OUT -o scene               for COLMAP, gsplat",
                     "dvi export ortho OUT -o above --cell-m 0.1   a GeoTIFF",
-                    "dvi export video OUT -o video --beside       input and result"});
+                    "dvi export video OUT -o video --beside       input and result",
+                    "dvi export holes OUT -o holes                for an inpainting program, then dvi import-fill OUT FRAMES"});
   command.run([a] {
     for (const Assignment& assignment : a->given) a->table.assign(assignment);
     const exports::ExportFormat& format = exports::find_export_format(a->format);

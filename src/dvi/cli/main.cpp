@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
   dvi::cli::add_mask(program);
   dvi::cli::add_map(program);
   dvi::cli::add_export(program);
+  dvi::cli::add_import_fill(program);
   program.group("Look at a recording");
   dvi::cli::add_check(program);
   dvi::cli::add_forecast(program);

@@ -15,6 +15,8 @@
 #include "dvi/inputs/rig.h"
 #include "dvi/media/image_file.h"
 #include "dvi/objects/completion/box_masks.h"
+#include "dvi/result/fill_import.h"
+#include "dvi/result/result_folder.h"
 #include "dvi/result/source_masks.h"
 
 namespace dvi::commands {
@@ -120,6 +122,13 @@ Lazy<cv::Mat1b> collect_run_masks(const Views& views, const std::vector<std::str
           }};
 }
 
+audit::ImportedFrames find_imported_frames(const fs::path& out, const std::vector<std::string>& names) {
+  audit::ImportedFrames imported{{}, out / result::file_before_import("")};
+  for (const std::string& name : names)
+    if (result::read_external_file(out, name)) imported.names.insert(name);
+  return imported;
+}
+
 nlohmann::json json_of(const audit::Audit& audit, const fs::path& out) {
   nlohmann::json findings = nlohmann::json::object();
   for (std::size_t b = 0; b < audit::kBreaches.size(); ++b) {
@@ -133,6 +142,7 @@ nlohmann::json json_of(const audit::Audit& audit, const fs::path& out) {
           {"frames", audit.frames},
           {"removed_pixels", audit.removed},
           {"copied_pixels", audit.copied},
+          {"imported_pixels", audit.imported},
           {"harmonization", {{"median", audit.change_median}, {"p95", audit.change_p95}}},
           {"findings", findings}};
 }
@@ -143,11 +153,13 @@ std::string text_of(const audit::Audit& audit, const fs::path& out) {
       "outside: outside of the mask, the result differs from the drive's image",
       "provenance: kind and provenance contradict each other, or refer to a missing source",
       "masked source: pixels are copied from inside a mask",
-      "color: source and recorded harmonization do not reproduce the color of the result"};
+      "color: source and recorded harmonization do not reproduce the color of the result",
+      "imported: an import changed a pixel that the run had observed, or has no record of its file"};
   std::string text = fmt::format(
       "{}\n  frames   {}\n  removed  {} pixels, {} of them copied: each was compared with its source\n"
       "  harmonization changed the copies by {:.1f} gray levels in the median, {:.1f} at the 95th percentile\n",
       out.string(), audit.frames, audit.removed, audit.copied, audit.change_median, audit.change_p95);
+  if (audit.imported > 0) text += fmt::format("  imported {} unobserved pixels from another program\n", audit.imported);
   for (std::size_t b = 0; b < audit::kBreaches.size(); ++b) {
     const audit::Finding& f = audit.findings[b];
     if (f.pixels > 0)
@@ -186,7 +198,7 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
   views.masks = collect_run_masks(views, names, relate_masks(given), out);
 
   progress.begin("audit", names.size());
-  AuditReport report{audit::audit_result(out, views, names, progress.tick()), {}, {}};
+  AuditReport report{audit::audit_result(out, views, names, find_imported_frames(out, names), progress.tick()), {}, {}};
   progress.end();
   report.json = json_text(json_of(report.audit, out));
   report.text = text_of(report.audit, out);

@@ -12,10 +12,11 @@ namespace dvi::exports {
 namespace {
 
 // Tints the filled parts of the clean image by their origin: green for this drive, blue for another drive or camera, orange for
-// interpolated, red for synthesized or empty.
+// interpolated, red for synthesized or empty, violet for imported.
 cv::Mat3b draw_overlay(const Result& result, std::size_t frame) {
-  static const std::array<cv::Vec3b, 6> kTints{cv::Vec3b(0, 0, 0),     cv::Vec3b(60, 180, 60), cv::Vec3b(220, 120, 40),
-                                               cv::Vec3b(0, 140, 255), cv::Vec3b(40, 40, 220), cv::Vec3b(40, 40, 220)};
+  static const std::array<cv::Vec3b, 7> kTints{cv::Vec3b(0, 0, 0),     cv::Vec3b(60, 180, 60), cv::Vec3b(220, 120, 40),
+                                               cv::Vec3b(0, 140, 255), cv::Vec3b(40, 40, 220), cv::Vec3b(40, 40, 220),
+                                               cv::Vec3b(200, 60, 160)};
   cv::Mat3b picture = result.image(frame);
   const cv::Mat1b kind = result.kind(frame);
   for (int y = 0; y < kind.rows; ++y)

@@ -11,8 +11,8 @@
 namespace dvi::exports {
 
 const std::vector<ExportFormat>& export_formats() {
-  static const std::vector<ExportFormat> formats{colmap_format(), nerfstudio_format(), ply_format(),  las_format(),
-                                                 ortho_format(),  mcap_format(),       video_format()};
+  static const std::vector<ExportFormat> formats{colmap_format(), nerfstudio_format(), ply_format(),   las_format(),
+                                                 ortho_format(),  mcap_format(),       video_format(), holes_format()};
   return formats;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <utility>
@@ -13,12 +15,21 @@
 
 namespace dvi::exports {
 
+/// The files of frames and masks of the format holes: frames/NAME.png and masks/NAME.png, or pairs/NAME.png and
+/// pairs/NAME_mask.png.
+enum class HoleLayout : std::uint8_t { folders, pairs };
+constexpr auto names_of(HoleLayout) {
+  return std::array{std::pair{HoleLayout::folders, "folders"}, std::pair{HoleLayout::pairs, "pairs"}};
+}
+
 /// The options of all formats; each format uses those that concern it.
 struct ExportOptions {
   int max_points = 500'000;
   double cell_m = 0.05;
   std::string origin;
   bool beside = false;
+  int grow_px = 2;
+  HoleLayout layout = HoleLayout::folders;
   media::VideoOptions video;
 
   void describe(OptionTable& table) {
@@ -32,6 +43,10 @@ struct ExportOptions {
         "ortho: LAT,LON,HEADING of the world's origin and x axis (degrees, heading clockwise from north), or local for the "
         "world's own meters; by default from the drive's GPS, or local if it has none.");
     table.add("beside", beside, "video: the input on the left, the result on the right.");
+    table.add("grow_px", grow_px, {0, 200}, "holes: pixels by which the masks extend beyond the unobserved pixels.");
+    table.add("layout", layout,
+              "holes: folders (frames/NAME.png and masks/NAME.png: ProPainter, IOPaint, ComfyUI) or pairs (pairs/NAME.png and "
+              "NAME_mask.png of frames with holes: LaMa).");
     video.describe(table);
   }
   void check() const { check_ranges(*this); }
@@ -59,6 +74,7 @@ ExportFormat las_format();
 ExportFormat ortho_format();
 ExportFormat video_format();
 ExportFormat mcap_format();
+ExportFormat holes_format();
 
 /// Returns all formats. A new format is one file and one line here.
 const std::vector<ExportFormat>& export_formats();

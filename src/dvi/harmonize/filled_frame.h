@@ -6,8 +6,19 @@
 
 namespace dvi::harmonize {
 
-/// How a pixel of the result was obtained; the values of kind/NAME.png.
-enum class Kind : std::uint8_t { original = 0, copied = 1, copied_elsewhere = 2, interpolated = 3, synthesized = 4, empty = 5 };
+/// How a pixel of the result was obtained; the values of kind/NAME.png. No source observed the pixels from `interpolated` on.
+enum class Kind : std::uint8_t {
+  original = 0,
+  copied = 1,
+  copied_elsewhere = 2,
+  interpolated = 3,
+  synthesized = 4,
+  empty = 5,
+  imported = 6  ///< Filled by another program, after the run.
+};
+
+/// Whether no source observed a pixel of this kind.
+inline bool is_unobserved(std::uint8_t kind) { return kind >= static_cast<std::uint8_t>(Kind::interpolated); }
 
 /// A frame with its hole filled, and the provenance of each pixel.
 struct FilledFrame {

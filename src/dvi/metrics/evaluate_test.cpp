@@ -66,6 +66,16 @@ TEST_F(Evaluate, CountsEachKindSeparately) {
   EXPECT_NEAR(e.total[Origin::empty].psnr, 10 * std::log10(65025.0 / 100), 1e-9);
 }
 
+TEST_F(Evaluate, CountsPixelsOfAnotherProgramAsImported) {
+  const cv::Mat3b truth(kSize, cv::Vec3b(100, 100, 100));
+  add("a", truth, cv::Mat3b(kSize, cv::Vec3b(104, 104, 104)), box(kHole), box(kHole, 6));
+  const Evaluation e = run();
+  EXPECT_DOUBLE_EQ(e.total[Origin::imported].mae, 4);
+  EXPECT_DOUBLE_EQ(e.total[Origin::imported].share, 1);
+  EXPECT_TRUE(e.warnings.empty());
+  EXPECT_NE(format_table(e).find("imported"), std::string::npos);
+}
+
 TEST_F(Evaluate, PoolsErrorsButAveragesPsnrOverFrames) {
   const cv::Mat3b truth(kSize, cv::Vec3b(100, 100, 100));
   add("a", truth, cv::Mat3b(kSize, cv::Vec3b(101, 101, 101)), box({10, 10, 10, 10}), box({10, 10, 10, 10}, 1));

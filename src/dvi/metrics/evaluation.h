@@ -14,9 +14,10 @@
 
 namespace dvi::metrics {
 
-/// The origin of pixels of the result: kinds 1 and 2 are copied, 3 is interpolated, 4 synthesized, 5 empty.
-enum class Origin { all, copied, interpolated, synthesized, empty };
-inline constexpr std::array kOrigins = {Origin::all, Origin::copied, Origin::interpolated, Origin::synthesized, Origin::empty};
+/// The origin of pixels of the result: kinds 1 and 2 are copied, 3 is interpolated, 4 synthesized, 5 empty, 6 imported.
+enum class Origin { all, copied, interpolated, synthesized, empty, imported };
+inline constexpr std::array kOrigins = {Origin::all,         Origin::copied, Origin::interpolated,
+                                        Origin::synthesized, Origin::empty,  Origin::imported};
 const char* name(Origin origin);
 
 /// The metrics of docs/metrics.md over a set of scored pixels. NaN means undefined.

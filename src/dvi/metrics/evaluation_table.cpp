@@ -28,6 +28,7 @@ std::string format_rows(const Evaluation& evaluation) {
                                  "SSIM", "sharpness", "flicker", "pos. error", "PSNR, 95 %");
   for (const Origin origin : kOrigins) {
     const Figures& f = evaluation.total[origin];
+    if (origin == Origin::imported && f.pixels == 0) continue;
     text += format_row(name(origin), format_number(100 * f.share, 1) + " %", f) +
             fmt::format("{:>11}{:>9}{:>12}{:>15}\n", format_number(f.sharpness, 2), format_number(f.flicker, 2),
                         format_number(f.position_error_px, 2),
@@ -95,6 +96,8 @@ const char* name(Origin origin) {
       return "synthesized";
     case Origin::empty:
       return "empty";
+    case Origin::imported:
+      return "imported";
   }
   return "";
 }

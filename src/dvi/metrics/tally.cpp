@@ -39,6 +39,8 @@ cv::Mat1b select_pixels(const ScoredFrame& frame, Origin origin) {
       return between(harmonize::Kind::synthesized, harmonize::Kind::synthesized);
     case Origin::empty:
       return between(harmonize::Kind::empty, harmonize::Kind::empty);
+    case Origin::imported:
+      return between(harmonize::Kind::imported, harmonize::Kind::imported);
   }
   throw std::logic_error("no such origin");
 }

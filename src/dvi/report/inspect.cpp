@@ -21,8 +21,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<const char*, 6> kKinds{"original",     "copied",      "copied from elsewhere",
-                                            "interpolated", "synthesized", "left empty"};
+constexpr std::array<const char*, 7> kKinds{"original",   "copied",  "copied from elsewhere", "interpolated", "synthesized",
+                                            "left empty", "imported"};
 constexpr int kCropPx = 120, kZoom = 3;
 
 json read_document(const fs::path& file) {
@@ -55,6 +55,14 @@ std::optional<int> compute_frames_apart(const json& sources, std::size_t number,
       return source.at("drive") == sources[0].at("drive") && source.at("camera") == sources[0].at("camera")
                  ? std::optional(static_cast<int>(number) - static_cast<int>(i))
                  : std::nullopt;
+  return std::nullopt;
+}
+
+/// Returns the external file of a frame by report.json.
+std::optional<ExternalSource> find_external(const fs::path& out, const std::string& name) {
+  for (const json& entry : read_document(out / "report.json").value("frames", json::array()))
+    if (entry.value("name", "") == name && entry.contains("external"))
+      return ExternalSource{entry.at("external").at("file"), entry.at("external").at("xxh3")};
   return std::nullopt;
 }
 
@@ -92,6 +100,7 @@ PixelRecord read_record(const fs::path& out, const std::string& frame, cv::Point
   if (const ushort depth = media::read_png_depth(out / "depth" / png, size)(pixel); depth > 0) record.depth_m = depth / 256.0;
   if (kind > 0) record.confidence = media::read_png_gray(out / "confidence" / png, size)(pixel) / 255.0;
   const cv::Vec3w triple = media::read_png_triples(out / "provenance" / png, size)(pixel);
+  if (kind == static_cast<std::size_t>(harmonize::Kind::imported)) record.external = find_external(out, record.frame);
   if (triple[0] == 0) return record;
 
   const cv::Vec3b used = media::read_image(out / "sources_used" / png, size)(pixel);
@@ -135,6 +144,9 @@ std::string to_text(const PixelRecord& record) {
   if (record.confidence)
     text +=
         fmt::format("  confidence  {:.0f} %: probability of an error of at most 10 gray levels\n", 100 * *record.confidence);
+  if (record.external)
+    text += fmt::format("  from        another program (external): {}\n              XXH3 {}\n", record.external->file,
+                        record.external->hash);
   if (record.source) {
     const PixelSource& s = *record.source;
     text +=
@@ -150,11 +162,12 @@ std::string to_text(const PixelRecord& record) {
 }
 
 std::string to_json(const PixelRecord& record) {
-  json out{{"schema", "dvi-receipt/1"}, {"frame", record.frame}, {"x", record.pixel.x},
-           {"y", record.pixel.y},       {"kind", record.kind},   {"color", record.color},
-           {"depth_m", nullptr},        {"confidence", nullptr}, {"source", nullptr}};
+  json out{{"schema", "dvi-receipt/1"}, {"frame", record.frame}, {"x", record.pixel.x}, {"y", record.pixel.y},
+           {"kind", record.kind},       {"color", record.color}, {"depth_m", nullptr},  {"confidence", nullptr},
+           {"source", nullptr},         {"external", nullptr}};
   if (record.depth_m) out["depth_m"] = *record.depth_m;
   if (record.confidence) out["confidence"] = *record.confidence;
+  if (record.external) out["external"] = {{"file", record.external->file}, {"xxh3", record.external->hash}};
   if (record.source) {
     const PixelSource& s = *record.source;
     out["source"] = {{"number", s.number},      {"drive", s.drive},

@@ -23,15 +23,21 @@ struct PixelSource {
   std::optional<int> frames_apart;  ///< signed; nothing unless both are frames of the target
 };
 
+/// The image of another program that a pixel was imported from.
+struct ExternalSource {
+  std::string file, hash;  ///< its path at the import, and the XXH3 of its bytes
+};
+
 /// The provenance of one pixel of a result.
 struct PixelRecord {
   std::string frame;
   cv::Point pixel;
-  std::string kind;                   ///< original, copied, copied from elsewhere, interpolated, synthesized, left empty
-  std::array<int, 3> color{};         ///< RGB, as written
-  std::optional<double> depth_m;      ///< nothing if unknown, or for the sky
-  std::optional<double> confidence;   ///< only of filled pixels
-  std::optional<PixelSource> source;  ///< only of copied pixels
+  std::string kind;               ///< original, copied, copied from elsewhere, interpolated, synthesized, left empty, imported
+  std::array<int, 3> color{};     ///< RGB, as written
+  std::optional<double> depth_m;  ///< nothing if unknown, or for the sky
+  std::optional<double> confidence;        ///< only of filled pixels
+  std::optional<PixelSource> source;       ///< only of copied pixels
+  std::optional<ExternalSource> external;  ///< only of imported pixels
 };
 
 /// Reads the provenance of a pixel. Throws InputError if `out` is not a result, if it has no such frame (given by its name or

@@ -270,8 +270,10 @@ void write_frame(const fs::path& out, std::size_t number, const FramePictures& p
   write_patch(out, "before/", number, input, pictures.kind);
 }
 
+std::string before_file(std::size_t number) { return make_path("before/", number, ".png"); }
+
 std::vector<std::string> list_frame_files(const fs::path& out, std::size_t number) {
-  std::vector<std::string> files{make_path("data_", number, ".js"), make_path("before/", number, ".png")};
+  std::vector<std::string> files{make_path("data_", number, ".js"), before_file(number)};
   std::erase_if(files, [&](const std::string& file) { return !fs::exists(out / file); });
   return files;
 }

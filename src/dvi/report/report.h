@@ -30,6 +30,9 @@ struct ReportInput {
 /// reading the images again: write_report() makes the files that are missing. Thread-safe.
 void write_frame(const fs::path& out, std::size_t number, const FramePictures& pictures, const cv::Mat3b& input);
 
+/// Returns the file of the hole's pixels in the input of frame `number`, relative to the result; other pixels are transparent.
+std::string before_file(std::size_t number);
+
 /// Lists the existing files of write_frame(), relative to the result.
 std::vector<std::string> list_frame_files(const fs::path& out, std::size_t number);
 

@@ -19,6 +19,7 @@
 #include "dvi/metrics/evaluation.h"
 #include "dvi/objects/stationary_objects.h"
 #include "dvi/report/report.h"
+#include "dvi/result/fill_import.h"
 #include "dvi/result/fingerprints.h"
 #include "dvi/result/frame_files.h"
 #include "dvi/result/manifest.h"
@@ -71,15 +72,6 @@ std::vector<std::string> list_pictures(const std::string& name) {
   return files;
 }
 
-/// Lists the folders that a run writes to.
-std::vector<fs::path> list_own_folders(const fs::path& out) {
-  std::vector<fs::path> folders{out, out / ".dvi", out / ".dvi/frames", out / ".dvi/masks", out / ".dvi/report"};
-  for (const std::string& folder : picture_folders()) folders.push_back(out / folder);
-  for (const char* folder : {"map", "report", "report/before", "report/truth", "report/sources"})
-    if (fs::exists(out / folder)) folders.push_back(out / folder);
-  return folders;
-}
-
 /// Lists the existing files that complete() writes; a baseline has no map. Reports and options are left out, because they
 /// contain times and paths, and because the report is written again when a result is scored.
 std::vector<std::string> list_other_files(const fs::path& out) {
@@ -124,6 +116,21 @@ const std::vector<std::string>& picture_folders() {
                                                 "sources_used", "harmonization", "confidence", "depth"};
   return folders;
 }
+
+std::vector<fs::path> list_own_folders(const fs::path& out) {
+  std::vector<fs::path> folders{out, out / ".dvi", out / ".dvi/frames", out / ".dvi/masks", out / ".dvi/report"};
+  for (const std::string& folder : picture_folders()) folders.push_back(out / folder);
+  for (const char* folder : {"map", "report", "report/before", "report/truth", "report/sources", ".dvi/before_import/frames",
+                             ".dvi/before_import/kind"})
+    if (fs::exists(out / folder)) folders.push_back(out / folder);
+  return folders;
+}
+
+fs::path frame_manifest(const fs::path& out, const std::string& name) { return out / ".dvi/frames" / (name + ".json"); }
+
+fs::path result_manifest(const fs::path& out) { return out / ".dvi/result.json"; }
+
+std::string file_before_import(const std::string& picture) { return ".dvi/before_import/" + picture; }
 
 std::string describe_progress(const fs::path& out) {
   const std::vector<fs::path> manifests = list_files(out / ".dvi/frames", {".json"});
@@ -192,6 +199,9 @@ std::optional<RunReport> ResultFolder::read_finished_report(Progress& progress) 
   parallel_for(finished.size(), [&](std::size_t i) { finished[i] = is_finished(names[i]) ? 1 : 0; });
   if (std::count(finished.begin(), finished.end(), 0) > 0) return std::nullopt;
   progress.note("every frame is finished already: nothing to do");
+  if (const auto hole = read->document().at("hole").get<HoleReport>(); hole.imported > 0)
+    progress.note(fmt::format("{} pixels hold the fill of another program; dvi import-fill {} --undo restores those of the run",
+                              hole.imported, out_.string()));
   if (!is_report_complete(out_)) write_report(out_, {}, progress);
   return read;
 }
@@ -249,10 +259,11 @@ std::string ResultFolder::frame_name(const Views& views, std::size_t view) const
 std::vector<std::size_t> ResultFolder::find_missing_frames(const Views& views, Progress& progress) {
   const std::size_t count = views.of_sequence(0).second;
   for (std::size_t i = 0; i < count; ++i) names_.push_back(frame_name(views, i));
-  std::vector<char> finished(count), stale(count);
+  std::vector<char> finished(count), stale(count), imported(count);
   parallel_for(count, [&](std::size_t i) {
     finished[i] = is_finished(names_[i]) ? 1 : 0;
     stale[i] = finished[i] == 0 && fs::exists(frame_manifest(names_[i])) ? 1 : 0;
+    imported[i] = stale[i] != 0 && read_external_file(out_, names_[i]) ? 1 : 0;
   });
   std::vector<std::size_t> missing;
   for (std::size_t i = 0; i < count; ++i)
@@ -260,6 +271,8 @@ std::vector<std::size_t> ResultFolder::find_missing_frames(const Views& views, P
   if (const auto again = std::count(stale.begin(), stale.end(), 1); again > 0)
     progress.note(fmt::format("{} of {} frames in {} have other options or inputs, or are damaged: they are made again", again,
                               count, out_.string()));
+  if (const auto lost = std::count(imported.begin(), imported.end(), 1); lost > 0)
+    progress.note(fmt::format("the fill of another program in {} of them is replaced; dvi import-fill imports it again", lost));
   if (!missing.empty())
     for (const fs::path& mark : {result_manifest(), out_ / "report.json", out_ / "report.html"}) fs::remove(mark);
   made_ = missing.size();
@@ -300,13 +313,14 @@ void ResultFolder::remove_other_frames() const {
   }
 }
 
-void ResultFolder::remove_other_source_masks() const {
+void ResultFolder::remove_unlisted_files() const {
   std::set<std::string> own;
   for (const std::string& name : names_)
     if (const std::optional<Manifest> manifest = read_manifest(frame_manifest(name)))
       for (const ListedFile& file : manifest->files) own.insert(file.file);
-  for (const fs::path& mask : list_files(out_ / ".dvi/masks", {".png"}))
-    if (!own.contains(".dvi/masks/" + mask.filename().string())) fs::remove(mask);
+  for (const char* folder : {".dvi/masks/", ".dvi/before_import/frames/", ".dvi/before_import/kind/"})
+    for (const fs::path& file : list_files(out_ / folder, {".png"}))
+      if (!own.contains(folder + file.filename().string())) fs::remove(file);
 }
 
 void ResultFolder::remove_map() const {
@@ -349,7 +363,7 @@ RunReport ResultFolder::make_report(const RunResults& results, const std::vector
 RunReport ResultFolder::complete(const RunResults& results, Progress& progress) {
   const Drive& target = drives_.front().drive;
   remove_other_frames();
-  remove_other_source_masks();
+  remove_unlisted_files();
   write_file(out_ / "sources.json", json_text(sources_json(results.views, drives_)) + "\n");
   const objects::CameraEvidence evidence = inputs::evidence_of(drives_.front(), results.poses.front().world_from_lidar);
   const auto removed = objects::list_removed_objects(evidence, results.objects, job_.options.masks,
@@ -364,7 +378,8 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
     remove_map();  // left by an earlier run with another method
     remove_stages(out_);
   }
-  write_media(out_, target, names_, job_.options.video, progress);
+  const auto read_input = [&](std::size_t i) { return *target.images[results.views[i].frame]; };
+  write_media(out_, {names_, {target.camera.width, target.camera.height}, read_input}, job_.options.video, progress);
   const metrics::Artifacts artifacts = metrics::count_artifacts(out_, names_, progress.parts()("artifacts", names_.size()));
   progress.end();
   write_file(out_ / "dvi.toml", format_options());

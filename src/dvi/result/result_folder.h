@@ -22,6 +22,16 @@ void require_usable_folder(const job::Job& job);
 /// Throws InputError if job.out is, contains, or is inside of an input of the job. Changes no file.
 void require_apart(const job::Job& job);
 
+/// Lists the folders that a run writes to.
+std::vector<fs::path> list_own_folders(const fs::path& out);
+
+/// Return the manifests of a finished frame, and of the files other than the frames.
+fs::path frame_manifest(const fs::path& out, const std::string& name);
+fs::path result_manifest(const fs::path& out);
+
+/// Returns the place of an image of the run that an import replaced; both are relative to the result (frames/NAME.png).
+std::string file_before_import(const std::string& picture);
+
 /// The results of a run that files other than the frames are written from.
 struct RunResults {
   const Views& views;
@@ -41,7 +51,8 @@ using FinishedFrame = std::function<void(std::size_t number, const harmonize::Fi
 /// drives of the folder, .dvi/plan.json the plan, .dvi/stages/NAME.json a cached stage, .dvi/frames/NAME.json the images of a
 /// frame, .dvi/costs/NAME.json the cost of a part, .dvi/report.json the report, and .dvi/result.json all other files. Parts
 /// that are missing, damaged, or made from other options or inputs are computed again. OUT/.dvi/masks has masks of source
-/// frames (source_masks.h). A folder of other drives or with other contents is refused unless forced. A folder that is,
+/// frames (source_masks.h), and OUT/.dvi/before_import the images that a fill of another program replaced (fill_import.h). A
+/// folder of other drives or with other contents is refused unless forced. A folder that is,
 /// contains, or is inside of an input is always refused. Only files that the manifest of a frame lists are deleted.
 class ResultFolder {
  public:
@@ -96,14 +107,14 @@ class ResultFolder {
   RunReport complete(const RunResults& results, Progress& progress);
 
  private:
-  fs::path frame_manifest(const std::string& name) const { return out_ / ".dvi/frames" / (name + ".json"); }
-  fs::path result_manifest() const { return out_ / ".dvi/result.json"; }
+  fs::path frame_manifest(const std::string& name) const { return result::frame_manifest(out_, name); }
+  fs::path result_manifest() const { return result::result_manifest(out_); }
   void refuse_other_drives() const;
   std::string format_options() const;  ///< the text of dvi.toml
   bool is_finished(const std::string& name) const;
   std::string frame_name(const Views& views, std::size_t view) const;
   void remove_other_frames() const;
-  void remove_other_source_masks() const;
+  void remove_unlisted_files() const;
   void remove_map() const;
   RunReport make_report(const RunResults& results, const std::vector<objects::RemovedObject>& removed,
                         const metrics::Artifacts& artifacts, const Progress& progress) const;

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <unordered_map>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
 #include "dvi/core/threads.h"
+#include "dvi/harmonize/filled_frame.h"
 #include "dvi/media/contact_sheet.h"
 #include "dvi/media/image_file.h"
 #include "dvi/media/write_image.h"
@@ -32,6 +32,11 @@ std::string caption_of(const cv::Mat1b& kind, const std::string& name) {
   return hole > 0 ? text : text + "  nothing removed";
 }
 
+std::string explain_colors(const cv::Mat1b& kind) {
+  const bool has_imported = cv::countNonZero(kind == static_cast<int>(harmonize::Kind::imported)) > 0;
+  return std::string("blue: copied, orange: interpolated, pink: synthesized") + (has_imported ? ", green: imported" : "");
+}
+
 /// Draws the outline of the hole, the frame's name, and the shares on the input.
 cv::Mat3b mark_input(const cv::Mat3b& input, const cv::Mat1b& kind, const std::string& name) {
   cv::Mat3b out = input.clone();
@@ -50,31 +55,28 @@ std::vector<media::SheetCell> make_sheet_row(const cv::Mat3b& input, const cv::M
   const double closer = std::min(1.0, 0.4 * input.cols / kCellWidthPx);  // one pixel of the image is at least one of the sheet
   const cv::Rect part =
       media::find_densest_part(mask, {std::max(1, cvRound(closer * whole.cols)), std::max(1, cvRound(closer * whole.rows))});
-  return {
-      {whole, caption_of(kind, name)},
-      {media::make_thumbnail(result, kCellWidthPx), "result"},
-      {input(part).clone(), "before, closer"},
-      {result(part).clone(), "after"},
-      {media::draw_label_overlay(result(part), kind(part), colors), "blue: copied, orange: interpolated, pink: synthesized"}};
+  return {{whole, caption_of(kind, name)},
+          {media::make_thumbnail(result, kCellWidthPx), "result"},
+          {input(part).clone(), "before, closer"},
+          {result(part).clone(), "after"},
+          {media::draw_label_overlay(result(part), kind(part), colors), explain_colors(kind(part))}};
 }
 
 }  // namespace
 
-void write_media(const fs::path& out, const Drive& target, const std::vector<std::string>& names,
-                 const media::VideoOptions& options, Progress& progress) {
+void write_media(const fs::path& out, const FinishedFrames& frames, const media::VideoOptions& options, Progress& progress) {
+  const std::vector<std::string>& names = frames.names;
+  const cv::Size size = frames.size;
   progress.begin("video", names.size());
-  const cv::Size size(target.camera.width, target.camera.height);
   media::VideoWriter video(out / "video.mp4", size, options);
   media::VideoWriter compare(out / "compare.mp4", {size.width, 2 * (size.height + size.height % 2)}, options);
   const std::size_t rows = std::min(kSheetRows, names.size());
   std::vector<std::vector<media::SheetCell>> sheet;
-  std::unordered_map<std::string, std::size_t> number;  // by name of a frame
-  for (std::size_t i = 0; i < target.frames.size(); ++i) number[target.frames[i].name] = i;
   for_blocks(names.size(), [&](std::size_t first, std::size_t last) {
     std::vector<cv::Mat3b> inputs(last - first), marked(last - first), results(last - first);
     std::vector<cv::Mat1b> kinds(last - first);
     parallel_for(last - first, [&](std::size_t i) {
-      inputs[i] = *target.images[number.at(names[first + i])];
+      inputs[i] = frames.read_input(first + i);
       results[i] = media::read_image(out / "frames" / (names[first + i] + ".png"), size);
       kinds[i] = media::read_png_gray(out / "kind" / (names[first + i] + ".png"), size);
       marked[i] = mark_input(inputs[i], kinds[i], names[first + i]);

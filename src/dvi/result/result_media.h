@@ -1,19 +1,27 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
+#include <opencv2/core/mat.hpp>
+
 #include "dvi/core/files.h"
 #include "dvi/core/progress.h"
-#include "dvi/drive/drive.h"
 #include "dvi/media/video.h"
 
 namespace dvi::result {
 
+/// The frames of a finished result, in the order of the drive.
+struct FinishedFrames {
+  const std::vector<std::string>& names;
+  cv::Size size;
+  std::function<cv::Mat3b(std::size_t)> read_input;  ///< returns the input of the i-th frame; called from several threads
+};
+
 /// Writes videos and a contact sheet of the finished frames in a result folder: video.mp4 (the result), compare.mp4 (the input
 /// with outlines of the holes, name, and shares, above the result), and contact.png (frames spread over the drive, with crops
 /// of their holes).
-void write_media(const fs::path& out, const Drive& target, const std::vector<std::string>& names,
-                 const media::VideoOptions& options, Progress& progress);
+void write_media(const fs::path& out, const FinishedFrames& frames, const media::VideoOptions& options, Progress& progress);
 
 }  // namespace dvi::result

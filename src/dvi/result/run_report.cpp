@@ -22,13 +22,15 @@ HoleReport& HoleReport::operator+=(const HoleReport& other) {
   interpolated += other.interpolated;
   synthesized += other.synthesized;
   empty += other.empty;
+  imported += other.imported;
   return *this;
 }
 
 void to_json(json& j, const HoleReport& hole) {
-  const std::array counts{std::pair{"copied", hole.copied}, std::pair{"copied_elsewhere", hole.copied_elsewhere},
-                          std::pair{"interpolated", hole.interpolated}, std::pair{"synthesized", hole.synthesized},
-                          std::pair{"empty", hole.empty}};
+  std::vector counts{std::pair{"copied", hole.copied}, std::pair{"copied_elsewhere", hole.copied_elsewhere},
+                     std::pair{"interpolated", hole.interpolated}, std::pair{"synthesized", hole.synthesized},
+                     std::pair{"empty", hole.empty}};
+  if (hole.imported > 0) counts.emplace_back("imported", hole.imported);  // a run itself imports nothing
   json share = {{"unobserved", hole.share(hole.unobserved())}};
   j = {{"pixels", hole.pixels}};
   for (const auto& [key, count] : counts) {
@@ -38,12 +40,13 @@ void to_json(json& j, const HoleReport& hole) {
   j["share"] = share;
 }
 void from_json(const json& j, HoleReport& hole) {
-  hole = {j.at("pixels"), j.at("copied"), j.at("copied_elsewhere"), j.at("interpolated"), j.at("synthesized"), j.at("empty")};
+  hole = {j.at("pixels"),      j.at("copied"), j.at("copied_elsewhere"),           j.at("interpolated"),
+          j.at("synthesized"), j.at("empty"),  j.value("imported", std::size_t{0})};
 }
 
 HoleReport count_hole(const cv::Mat1b& kind) {
   using harmonize::Kind;
-  std::array<std::size_t, 6> count{};
+  std::array<std::size_t, 7> count{};
   for (const uchar k : kind) ++count[std::min<std::size_t>(k, count.size() - 1)];
   const auto of = [&](Kind k) { return count[static_cast<std::size_t>(k)]; };
   return {kind.total() - of(Kind::original),
@@ -51,7 +54,8 @@ HoleReport count_hole(const cv::Mat1b& kind) {
           of(Kind::copied_elsewhere),
           of(Kind::interpolated),
           of(Kind::synthesized),
-          of(Kind::empty)};
+          of(Kind::empty),
+          of(Kind::imported)};
 }
 
 CostReport make_cost_report(const Progress& progress, const CpuClock& clock, std::size_t frames_made) {
@@ -98,7 +102,7 @@ namespace {
 std::string describe_unobserved(const HoleReport& hole) {
   std::string how;
   for (const auto& [count, name] : {std::pair(hole.synthesized, "synthesized"), std::pair(hole.interpolated, "interpolated"),
-                                    std::pair(hole.empty, "left black")})
+                                    std::pair(hole.empty, "left black"), std::pair(hole.imported, "imported")})
     if (count > 0) how += fmt::format("{}{:.1f} % {}", how.empty() ? "" : ", ", 100 * hole.share(count), name);
   return fmt::format(", {:.1f} % unobserved", 100 * hole.share(hole.unobserved())) + (how.empty() ? "" : " (" + how + ")");
 }

@@ -19,9 +19,9 @@ namespace dvi::result {
 /// Numbers of pixels of a hole by origin. In JSON, `share` has them as shares of the hole, 0 to 1, and `unobserved`, the share
 /// of pixels that no source observed, for every kind of filling.
 struct HoleReport {
-  std::size_t pixels = 0, copied = 0, copied_elsewhere = 0, interpolated = 0, synthesized = 0, empty = 0;
+  std::size_t pixels = 0, copied = 0, copied_elsewhere = 0, interpolated = 0, synthesized = 0, empty = 0, imported = 0;
 
-  std::size_t unobserved() const { return interpolated + synthesized + empty; }
+  std::size_t unobserved() const { return interpolated + synthesized + empty + imported; }
   /// Returns the share of the hole, 0 to 1; 0 for an empty hole.
   double share(std::size_t count) const { return pixels > 0 ? static_cast<double>(count) / static_cast<double>(pixels) : 0.0; }
   HoleReport& operator+=(const HoleReport& other);

@@ -57,6 +57,16 @@ TEST(HoleReport, CountsPixelsByKind) {
   EXPECT_EQ(hole.unobserved(), 3U);
 }
 
+TEST(HoleReport, NamesImportedPixelsOnlyIfThereAreAny) {
+  const HoleReport hole = count_hole(cv::Mat1b((cv::Mat1b(1, 4) << 0, 1, 6, 6)));
+  EXPECT_EQ(hole.imported, 2U);
+  EXPECT_EQ(hole.unobserved(), 2U);
+  EXPECT_EQ(json(hole).at("imported"), 2);
+  EXPECT_DOUBLE_EQ(json(hole).at("share").at("imported"), 2.0 / 3);
+  EXPECT_EQ(json(hole).get<HoleReport>().imported, 2U);
+  EXPECT_FALSE(json(HoleReport{.pixels = 3, .copied = 3}).contains("imported"));
+}
+
 TEST(CostReport, IsReadBackAndSummed) {
   const CostReport cost{{{"map", 2, 3}, {"fill", 5, 9}}, {{"depth", 1.5}}, 2, 123'000'000};
   CostReport sum = json(cost).get<CostReport>();

@@ -84,7 +84,7 @@ void require_writable(const fs::path& out) {
                      "copy it to a writable folder for a new report; an existing report.html can be opened where it is");
 }
 
-fs::path frame_manifest(const fs::path& out, const std::string& name) { return out / ".dvi/report" / (name + ".json"); }
+fs::path report_frame_manifest(const fs::path& out, const std::string& name) { return out / ".dvi/report" / (name + ".json"); }
 
 fs::path report_manifest(const fs::path& out) { return out / ".dvi/report.json"; }
 
@@ -103,14 +103,18 @@ bool is_report_complete(const fs::path& out) { return is_confirmed(report_manife
 
 void write_report_frame_manifest(const fs::path& out, const std::string& name, std::size_t number,
                                  const std::string& fingerprint) {
-  write_manifest(frame_manifest(out, name), {fingerprint, list_contents(out, report::list_frame_files(out, number))});
+  write_manifest(report_frame_manifest(out, name), {fingerprint, list_contents(out, report::list_frame_files(out, number))});
+}
+
+void remove_report_frame_manifest(const fs::path& out, const std::string& name) {
+  fs::remove(report_frame_manifest(out, name));
 }
 
 void write_report(const job::Job& job, const std::vector<std::string>& names, const std::string& fingerprint,
                   const std::function<std::string()>& report_json, const Tick& tick) {
   std::vector<char> written(names.size());
   parallel_for(names.size(), [&](std::size_t i) {
-    written[i] = is_confirmed(frame_manifest(job.out, names[i]), fingerprint, job.out) ? 1 : 0;
+    written[i] = is_confirmed(report_frame_manifest(job.out, names[i]), fingerprint, job.out) ? 1 : 0;
   });
   report::write_report({.out = job.out,
                         .names = names,

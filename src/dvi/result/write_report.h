@@ -20,6 +20,9 @@ struct ShownTruth {
 void write_report_frame_manifest(const fs::path& out, const std::string& name, std::size_t number,
                                  const std::string& fingerprint);
 
+/// Removes this manifest, before a picture of the frame is changed.
+void remove_report_frame_manifest(const fs::path& out, const std::string& name);
+
 /// Writes OUT/report.html and OUT/report/ of a run. `report_json` is called after all other files are written. Files of frames
 /// that have a manifest with this fingerprint are kept.
 void write_report(const job::Job& job, const std::vector<std::string>& names, const std::string& fingerprint,

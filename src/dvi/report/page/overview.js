@@ -41,7 +41,7 @@
 
   const tiles = () => {
     const share = (dvi.data.run.hole || {}).share || {};
-    const kinds = t.kinds.filter((kind) => kind.key && (kind.key !== "empty" || share.empty > 0));
+    const kinds = t.kinds.filter((kind) => kind.key && (!["empty", "imported"].includes(kind.key) || share[kind.key] > 0));
     return e("div", {className: "tiles"},
       kinds.map((kind) => tile(dvi.percent(share[kind.key]), kind.name, kind.hint, kind.color)),
       tile(dvi.percent(within()), t.within.label, t.within.hint));
@@ -58,7 +58,7 @@
   const hints = () => {
     const hole = (dvi.data.run.hole || {}).share || {};
     const list = [];
-    if (hole.interpolated + hole.synthesized + hole.empty > 0.4)
+    if (hole.unobserved > 0.4)
       list.push(["A large part of the removed area was not observed by any frame.",
         "A second drive through the same street as a SOURCE, or more cameras of this drive (--sources all), would observe more of it."]);
     const stationary = dvi.data.run.stationary;

@@ -59,6 +59,7 @@
       values && values.confidence !== undefined ? row("confidence", dvi.percent(values.confidence / 255, 0), t.within.hint) : null,
       values && values.depth ? row("depth", `${(values.depth / 256).toFixed(2)} m`, "Distance along the optical axis.") : null,
       ...(copied ? sourceRows(frame, values, source) : []),
+      kind.key === "imported" && (dvi.frames()[frame] || {}).external ? row("file", dvi.frames()[frame].external.file, "The image of the other program.") : null,
       values && values.error !== undefined ? row("error", `${values.error} levels`, "Largest difference of red, green, or blue from the truth.") : null,
     ];
     dvi.byId("receipt").replaceChildren(...[

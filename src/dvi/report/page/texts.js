@@ -9,6 +9,7 @@ dvi.texts = {
     {name: "interpolated", key: "interpolated", color: "#e69f00", hint: "No frame observed this. It was interpolated from its surroundings: plausible, but not evidence."},
     {name: "synthesized", key: "synthesized", color: "#cc79a7", hint: "No frame observed this. The texture of the same surface was continued: plausible, but not evidence."},
     {name: "left empty", key: "empty", color: "#999999", hint: "No frame observed this, and nothing was filled in."},
+    {name: "imported", key: "imported", color: "#009e73", hint: "No frame observed this. Another program filled it: plausible, but not evidence."},
   ],
   within: {label: "expected to be right", hint: "Mean confidence of the filled pixels: the share expected within 10 gray levels (of 255) of the real background."},
   objects: {

@@ -1,0 +1,78 @@
+#include <array>
+#include <atomic>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/json_text.h"
+#include "dvi/core/threads.h"
+#include "dvi/exports/exporter.h"
+#include "dvi/exports/scene_files.h"
+#include "dvi/image/region.h"
+#include "dvi/media/write_image.h"
+
+namespace dvi::exports {
+namespace {
+
+// Returns the pose and the intrinsics of a frame. The pixel centers are at whole numbers, as in sources.json.
+nlohmann::json make_camera(const Result& result, const ResultFrame& frame) {
+  const Camera& c = result.camera();
+  const SE3& pose = frame.world_from_camera;
+  nlohmann::json rows = nlohmann::json::array();
+  for (int r = 0; r < 3; ++r) rows.push_back({pose.R(r, 0), pose.R(r, 1), pose.R(r, 2), pose.t[r]});
+  rows.push_back({0, 0, 0, 1});
+  return {{"camera", result.camera_name()}, {"time_s", static_cast<double>(frame.time_ns) / 1e9},
+          {"size", {c.width, c.height}},    {"K", {c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1}},
+          {"distortion", c.distortion},     {"world_from_camera", rows}};
+}
+
+// Writes frame and mask. Programs that fill pairs work on each image alone and need no frames without holes; programs for
+// videos need all frames.
+void write_frame_and_mask(const Result& result, std::size_t i, const cv::Mat1b& mask, HoleLayout layout,
+                          const fs::path& folder) {
+  const std::string& name = result.frames()[i].name;
+  if (layout == HoleLayout::folders) {
+    copy_picture(result.picture("frames", i), folder / "frames" / (name + ".png"));
+    media::write_png(folder / "masks" / (name + ".png"), mask);
+  } else if (cv::countNonZero(mask) > 0) {
+    copy_picture(result.picture("frames", i), folder / "pairs" / (name + ".png"));
+    media::write_png(folder / "pairs" / (name + "_mask.png"), mask);
+  }
+}
+
+ExportReport write_holes(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
+  const bool in_pairs = options.layout == HoleLayout::pairs;
+  for (const char* name : {in_pairs ? "pairs" : "frames", in_pairs ? "pairs" : "masks", "depth", "cameras"})
+    make_folder(folder / name);
+  std::atomic<std::size_t> frames = 0, pixels = 0;
+  parallel_for(result.frames().size(), [&](std::size_t i) {
+    const ResultFrame& frame = result.frames()[i];
+    const cv::Mat1b unobserved(~result.evidence(i));
+    const auto count = static_cast<std::size_t>(cv::countNonZero(unobserved));
+    pixels += count;
+    frames += count > 0 ? 1 : 0;
+    write_frame_and_mask(result, i, grown(unobserved, options.grow_px), options.layout, folder);
+    copy_picture(result.picture("depth", i), folder / "depth" / (frame.name + ".png"));
+    write_file(folder / "cameras" / (frame.name + ".json"), json_text(make_camera(result, frame)) + "\n");
+    progress.advance();
+  });
+  if (pixels == 0)
+    throw InputError(result.folder(), "has no unobserved pixels", "there is nothing that another program could fill");
+  const auto all = static_cast<double>(result.frames().size());
+  std::vector<std::string> files{"frames", "masks"};
+  if (in_pairs) files = {"pairs"};
+  return {files,
+          {{"frames", all}, {"frames with holes", static_cast<double>(frames)}, {"pixels", static_cast<double>(pixels)}}};
+}
+
+}  // namespace
+
+ExportFormat holes_format() {
+  return {"holes",
+          "the result and masks of unobserved pixels, for an inpainting program (ProPainter, LaMa, IOPaint, ComfyUI); "
+          "dvi import-fill reads its frames",
+          write_holes};
+}
+
+}  // namespace dvi::exports
