@@ -44,9 +44,10 @@ dvi map one -o map --poses loam --trajectory kitti
 dvi run one -o filed --poses map/poses.txt
 dvi audit own one
 dvi audit both one two
-for format in colmap nerfstudio ply las mcap video; do dvi export $format both -o "export-$format"; done
+for format in colmap nerfstudio ply las mcap video labels; do dvi export $format both -o "export-$format"; done
 dvi eval own --truth one/truth --external other=flow/frames --json
 dvi eval own --labels one/boxes.json
+dvi eval own --points one/truth_points
 dvi report own --truth one/truth
 dvi inspect own 0 20 20 --json -o crops
 dvi holdout one -o case
