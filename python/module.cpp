@@ -13,6 +13,7 @@
 #include "dvi/commands/check.h"
 #include "dvi/commands/evaluate_result.h"
 #include "dvi/commands/import_fill.h"
+#include "dvi/commands/label_scans.h"
 #include "dvi/commands/make_masks.h"
 #include "dvi/core/error.h"
 #include "dvi/core/json_text.h"
@@ -156,10 +157,10 @@ void bind_commands(py::module_& m) {
           return run_task(threads, progress, [&](Progress& p) { return dvi::commands::make_masks(job, p); });
         });
   m.def("evaluate", [](const std::string& out, const std::string& truth, const std::string& ignore, const std::string& masks,
-                       const std::string& labels, const Strings& external, int threads, const py::object& progress) {
+                       const std::string& labels, const std::string& points, const Strings& external, int threads, const py::object& progress) {
     const metrics::EvaluationFolders folders{out, truth, ignore, metrics::parse_external(external), masks};
     return run_task(threads, progress,
-                    [&](Progress& p) { return json_text(dvi::commands::evaluate_result(folders, labels, p)); });
+                    [&](Progress& p) { return json_text(dvi::commands::evaluate_result(folders, {labels, points}, p)); });
   });
   m.def("export", [](const std::string& format, const std::string& out, const std::string& folder, const py::dict& options,
                      int threads, const py::object& progress) {
@@ -170,7 +171,7 @@ void bind_commands(py::module_& m) {
       table.assign({find_keyword(table, py::cast<std::string>(key)).name(), to_value(value)});
     const exports::ExportFormat& to = exports::find_export_format(format);
     return run_task(threads, progress, [&](Progress& p) {
-      return exports::to_json(exports::export_result(to, out, folder, chosen, p), to.name, folder);
+      return exports::to_json(exports::export_result(to, {out, dvi::commands::label_scans}, folder, chosen, p), to.name, folder);
     });
   });
   m.def("import_fill", [](const std::string& out, const std::string& frames, int threads, const py::object& progress) {

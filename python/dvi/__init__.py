@@ -206,18 +206,21 @@ def masks(dataset: Source, *, out: "str | os.PathLike | None" = None, threads: i
 
 def eval(out: "str | os.PathLike", truth: "str | os.PathLike | None" = None, *, ignore: "str | os.PathLike | None" = None,
          masks: "str | os.PathLike | None" = None, labels: "str | os.PathLike | None" = None,
+         points: "str | os.PathLike | None" = None,
          external: Mapping[str, "str | os.PathLike"] = {}, threads: int = 0, progress: Progress = None) -> dict:
     """Scores a result: what `dvi eval --json` prints. truth: folder of NAME.png; None: only artifacts and ghosts are counted;
     ignore: of masks not to score; masks: of masks to score instead of the masks of the result; labels: file of labels with 3D boxes
-    and tracks, for ghosts; external: folders of other programs' frames, by the name of the program."""
+    and tracks, for ghosts; points: folder of true labels of the scans' points, NAME.label; external: folders of other programs'
+    frames, by the name of the program."""
     others = [f"{name}={os.fspath(folder)}" for name, folder in external.items()]
-    paths = ("" if path is None else os.fspath(path) for path in (truth, ignore, masks, labels))
+    paths = ("" if path is None else os.fspath(path) for path in (truth, ignore, masks, labels, points))
     return json.loads(_dvi.evaluate(os.fspath(out), *paths, others, threads, progress))
 
 
 def export(format: str, out: "str | os.PathLike", folder: "str | os.PathLike", *, threads: int = 0, progress: Progress = None,
            **options: Any) -> dict:
-    """Writes a result for other tools: what `dvi export --json` prints. format: colmap, nerfstudio, ply, las, ortho, mcap, video, holes."""
+    """Writes a result for other tools: what `dvi export --json` prints. format: colmap, nerfstudio, ply, las, ortho, mcap, video, holes,
+    labels (of the points of the scans)."""
     return json.loads(_dvi.export(format, os.fspath(out), os.fspath(folder), options, threads, progress))
 
 

@@ -138,6 +138,8 @@ def test_the_other_commands(street, result, tmp_path):
     assert scores["all"]["frames"] == 5 and "own" in str(scores)
     assert dvi.eval(result, street / "truth", masks=result / "masks")["all"] == scores["all"]
     assert dvi.export("ply", result, tmp_path / "ply")["counts"]["points"] > 1000
+    assert dvi.export("labels", result, tmp_path / "labels")["counts"]["scans"] == 5
+    assert dvi.eval(result, points=street / "truth_points")["points"]["all"]["sa"] > 0.99
 
 
 def test_another_programs_fill_is_imported(street, result, tmp_path):

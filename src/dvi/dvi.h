@@ -9,6 +9,7 @@
 #include "dvi/commands/check.h"            // IWYU pragma: export
 #include "dvi/commands/evaluate_result.h"  // IWYU pragma: export
 #include "dvi/commands/import_fill.h"      // IWYU pragma: export
+#include "dvi/commands/label_scans.h"      // IWYU pragma: export
 #include "dvi/core/error.h"                // IWYU pragma: export
 #include "dvi/core/progress.h"             // IWYU pragma: export
 #include "dvi/core/threads.h"              // IWYU pragma: export

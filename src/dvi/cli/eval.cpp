@@ -16,7 +16,7 @@ namespace dvi::cli {
 
 void add_eval(Program& program) {
   struct Arguments {
-    std::string out, truth, ignore, masks, labels;
+    std::string out, truth, ignore, masks, labels, points;
     std::vector<std::string> external;
     Common common;
   };
@@ -30,13 +30,17 @@ void add_eval(Program& program) {
                  "NAME=DIR: score another program's frames (NAME.png or .jpg) on the same pixels; any number of times");
   command.option("--labels", a->labels,
                  "Labels of the drive with 3D boxes and tracks, for ghosts, if different from the drive's or the run's");
+  command.option(
+      "--points", a->points,
+      "Folder of true labels of the scans' points, NAME.label (SemanticKITTI), to score the labels of dvi export labels");
   a->common.add_to(command, true);
-  command.examples({"dvi eval OUT --truth CASE/truth --ignore CASE/ignore", "dvi eval OUT --labels tracking_labels.txt"});
+  command.examples({"dvi eval OUT --truth CASE/truth --ignore CASE/ignore", "dvi eval OUT --labels tracking_labels.txt",
+                    "dvi eval OUT --points DRIVE/truth_points"});
   command.run([a] {
     const metrics::EvaluationFolders folders{a->out, a->truth, a->ignore, metrics::parse_external(a->external), a->masks};
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    const metrics::Evaluation evaluation = commands::evaluate_result(folders, a->labels, progress);
+    const metrics::Evaluation evaluation = commands::evaluate_result(folders, {a->labels, a->points}, progress);
     for (const std::string& warning : evaluation.warnings) progress.warn(warning);
     if (!a->truth.empty()) result::show_truth(a->out, {a->truth, json_text(evaluation)}, progress);
     if (a->common.json)

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "dvi/cli/command.h"
+#include "dvi/commands/label_scans.h"
 #include "dvi/core/threads.h"
 #include "dvi/exports/exporter.h"
 
@@ -28,7 +29,8 @@ void add_export(Program& program) {
   };
   const auto a = std::make_shared<Arguments>();
   a->options.describe(a->table);
-  Command command = program.command("export", "A result in the form that other tools read: COLMAP, nerfstudio, GIS, Foxglove");
+  Command command =
+      program.command("export", "A result in the form that other tools read: COLMAP, nerfstudio, GIS, Foxglove, SemanticKITTI");
   command.positional("FORMAT", a->format, formats_for_help());
   command.positional("OUT", a->out, "A result of dvi run");
   command.option("-o,--out", a->folder, "Folder for the files, new or empty", true);
@@ -43,7 +45,8 @@ void add_export(Program& program) {
     const exports::ExportFormat& format = exports::find_export_format(a->format);
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    const exports::ExportReport report = exports::export_result(format, a->out, a->folder, a->options, progress);
+    const exports::ExportReport report =
+        exports::export_result(format, {a->out, commands::label_scans}, a->folder, a->options, progress);
     fmt::print("{}\n", a->common.json ? exports::to_json(report, format.name, a->folder) : exports::brief(report, a->folder));
   });
 }

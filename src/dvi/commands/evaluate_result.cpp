@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "dvi/commands/label_scans.h"
 #include "dvi/core/error.h"
 #include "dvi/core/json_file.h"
 #include "dvi/datasets/pose_file.h"
@@ -129,8 +130,8 @@ SceneOrReason find_scene_or_reason(const fs::path& out, const fs::path& labels, 
 
 }  // namespace
 
-metrics::Evaluation evaluate_result(const metrics::EvaluationFolders& folders, const fs::path& labels, Progress& progress) {
-  const SceneOrReason found = find_scene_or_reason(folders.out, labels, progress);
+metrics::Evaluation evaluate_result(const metrics::EvaluationFolders& folders, const DriveTruth& drive, Progress& progress) {
+  const SceneOrReason found = find_scene_or_reason(folders.out, drive.labels, progress);
   metrics::Evaluation evaluation = metrics::evaluate(folders, progress.parts());
   if (const auto* scene = std::get_if<metrics::GhostScene>(&found)) {
     progress.begin("ghosts", scene->frames.size());
@@ -139,6 +140,7 @@ metrics::Evaluation evaluate_result(const metrics::EvaluationFolders& folders, c
     evaluation.ghosts_left_out = std::get<std::string>(found);
   }
   progress.end();
+  if (!drive.points.empty()) evaluation.points = score_points(folders.out, drive.points, progress);
   return evaluation;
 }
 

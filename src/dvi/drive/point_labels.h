@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "dvi/core/cache_budget.h"
@@ -52,15 +53,36 @@ constexpr const PointClass* find_point_class(int id) {
   return nullptr;
 }
 
+/// Names of classes in labels of other data sets, each with the name in kPointClasses.
+inline constexpr std::array kPointClassSynonyms = std::to_array<std::pair<std::string_view, std::string_view>>({
+    {"van", "car"},
+    {"pedestrian", "person"},
+    {"person_sitting", "person"},
+    {"person (sitting)", "person"},
+    {"cyclist", "bicyclist"},
+    {"rider", "bicyclist"},
+    {"motorbike", "motorcycle"},
+    {"coach", "bus"},
+    {"tram", "train"},
+});
+
 /// Returns the class of traffic of a Label::type; that of other vehicles for unknown types.
 constexpr const PointClass& point_class_of(std::string_view type) {
   constexpr std::size_t kOtherVehicle = 6;
   static_assert(kPointClasses[kOtherVehicle].type == "vehicle");
-  if (type == "van") type = "car";
-  if (type == "pedestrian") type = "person";
+  for (const auto& [synonym, name] : kPointClassSynonyms)
+    if (type == synonym) type = name;
   for (const PointClass& entry : kPointClasses)
     if (!type.empty() && type == entry.type) return entry;
   return kPointClasses[kOtherVehicle];
+}
+
+/// Returns the id of an object by its Label::type, and by whether it moves. Two-wheelers that move have riders.
+constexpr int point_class_id(std::string_view type, bool moves) {
+  if (moves && type == "bicycle") type = "bicyclist";
+  if (moves && type == "motorcycle") type = "motorcyclist";
+  const PointClass& entry = point_class_of(type);
+  return moves ? entry.moving : entry.stationary;
 }
 
 }  // namespace dvi

@@ -11,8 +11,9 @@
 namespace dvi::exports {
 
 const std::vector<ExportFormat>& export_formats() {
-  static const std::vector<ExportFormat> formats{colmap_format(), nerfstudio_format(), ply_format(),   las_format(),
-                                                 ortho_format(),  mcap_format(),       video_format(), holes_format()};
+  static const std::vector<ExportFormat> formats{colmap_format(), nerfstudio_format(), ply_format(),
+                                                 las_format(),    ortho_format(),      mcap_format(),
+                                                 video_format(),  holes_format(),      labels_format()};
   return formats;
 }
 
@@ -25,11 +26,11 @@ const ExportFormat& find_export_format(const std::string& name) {
   throw UsageError(fmt::format("there is no export format '{}'; the formats are {}", name, fmt::join(names, ", ")));
 }
 
-ExportReport export_result(const ExportFormat& format, const fs::path& out, const fs::path& folder,
+ExportReport export_result(const ExportFormat& format, const ExportSource& source, const fs::path& folder,
                            const ExportOptions& options, Progress& progress) {
   options.check();
   require_empty(folder, "export");
-  const Result result(out);
+  const Result result(source.out, source.label_scans);
   const fs::path place = fs::absolute(folder / "").lexically_normal().parent_path();
   make_folder(place.parent_path());
   Draft draft(place, place.parent_path() / ("." + place.filename().string() + ".part"));

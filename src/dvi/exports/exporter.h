@@ -75,6 +75,7 @@ ExportFormat ortho_format();
 ExportFormat video_format();
 ExportFormat mcap_format();
 ExportFormat holes_format();
+ExportFormat labels_format();
 
 /// Returns all formats. A new format is one file and one line here.
 const std::vector<ExportFormat>& export_formats();
@@ -82,9 +83,15 @@ const std::vector<ExportFormat>& export_formats();
 /// Returns the format of a name. Throws UsageError with all names if there is none.
 const ExportFormat& find_export_format(const std::string& name);
 
-/// Writes a finished result of `dvi run` into a new or empty folder, completely or not at all. Throws InputError if the result
-/// lacks data that the format needs.
-ExportReport export_result(const ExportFormat& format, const fs::path& out, const fs::path& folder,
+/// A finished result of `dvi run` to export.
+struct ExportSource {
+  fs::path out;
+  LabelScans label_scans = {};  ///< for the format labels: commands::label_scans
+};
+
+/// Writes a result into a new or empty folder, completely or not at all. Throws InputError if the result lacks data that the
+/// format needs.
+ExportReport export_result(const ExportFormat& format, const ExportSource& source, const fs::path& folder,
                            const ExportOptions& options, Progress& progress);
 
 /// Format a report as a JSON document, and as lines for the user.

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -37,7 +38,7 @@ void read_table(const fs::path& file, const Take& take) {
 
 }  // namespace
 
-Result::Result(const fs::path& out) : folder_(out) {
+Result::Result(const fs::path& out, LabelScans label_scans) : folder_(out), label_scans_(std::move(label_scans)) {
   if (!fs::is_directory(out)) throw InputError(out, "is not a folder", "give the OUT of a dvi run");
   if (!fs::exists(out / "sources.json") || !fs::exists(out / "report.json"))
     throw InputError(out, "is not a finished result of dvi run", kRunAgain);

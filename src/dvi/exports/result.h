@@ -8,6 +8,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "dvi/core/files.h"
+#include "dvi/exports/labeled_scans.h"
 #include "dvi/geometry/camera.h"
 #include "dvi/geometry/earth_place.h"
 #include "dvi/geometry/se3.h"
@@ -28,7 +29,7 @@ class Result {
  public:
   /// Reads the tables of OUT. Throws InputError if OUT is not a finished result, is damaged, or has no poses (methods without a
   /// map).
-  explicit Result(const fs::path& out);
+  explicit Result(const fs::path& out, LabelScans label_scans = {});
 
   const fs::path& folder() const { return folder_; }
   const std::string& camera_name() const { return camera_name_; }
@@ -44,6 +45,8 @@ class Result {
   cv::Mat1f depth(std::size_t frame) const;       ///< depth z in meters; 0: unknown or sky
   /// Returns a mask: 255 for original and copied pixels, 0 for pixels without observation.
   cv::Mat1b evidence(std::size_t frame) const;
+  /// Labels the scans of the drive, which must still exist.
+  LabeledScans label_scans(Progress& progress) const { return label_scans_(folder_, progress); }
 
  private:
   void read_sources();
@@ -51,6 +54,7 @@ class Result {
   void read_place();
 
   fs::path folder_;
+  LabelScans label_scans_;
   std::string camera_name_;
   Camera camera_;
   std::vector<ResultFrame> frames_;

@@ -11,6 +11,7 @@
 
 #include "dvi/metrics/artifacts.h"
 #include "dvi/metrics/ghosts.h"
+#include "dvi/metrics/point_scores.h"
 
 namespace dvi::metrics {
 
@@ -84,7 +85,8 @@ struct Evaluation {
   std::vector<std::string> warnings;
   Artifacts artifacts;
   std::optional<Ghosts> ghosts;
-  std::string ghosts_left_out;  ///< the reason why ghosts are unknown; empty if it was not asked for them
+  std::string ghosts_left_out;        ///< the reason why ghosts are unknown; empty if it was not asked for them
+  std::optional<PointScores> points;  ///< nothing without a truth of the labels of points
   std::vector<ExternalEvaluation> external;
 };
 

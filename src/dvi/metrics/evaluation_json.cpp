@@ -91,6 +91,17 @@ void to_json(nlohmann::json& json, const Ghosts& ghosts) {
   json["worst_frames"] = ghosts.find_worst_frames();
 }
 
+static void to_json(nlohmann::json& json, const PointCounts& counts) {
+  json = {{"static", counts.statics},           {"labeled_static", counts.labeled_static},
+          {"dynamic", counts.dynamics},         {"labeled_dynamic", counts.labeled_dynamic},
+          {"sa", counts.static_accuracy()},     {"da", counts.dynamic_accuracy()},
+          {"aa", counts.associated_accuracy()}, {"iou", counts.dynamic_iou()}};
+}
+
+static void to_json(nlohmann::json& json, const PointScores& points) {
+  json = {{"scans", points.scans}, {"all", points.all}, {"in_view", points.in_view}};
+}
+
 void to_json(nlohmann::json& json, const Evaluation& evaluation) {
   json = nlohmann::json::object();
   if (evaluation.has_truth) {
@@ -107,6 +118,7 @@ void to_json(nlohmann::json& json, const Evaluation& evaluation) {
   json["artifacts"] = evaluation.artifacts;
   json["ghosts"] = evaluation.ghosts ? nlohmann::json(*evaluation.ghosts) : nlohmann::json();
   json["ghosts_left_out"] = evaluation.ghosts_left_out.empty() ? nlohmann::json() : nlohmann::json(evaluation.ghosts_left_out);
+  if (evaluation.points) json["points"] = *evaluation.points;
   json["external"] = nlohmann::json::object();
   for (const ExternalEvaluation& external : evaluation.external) json["external"][external.name] = external.evaluation;
 }

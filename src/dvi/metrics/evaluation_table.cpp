@@ -82,6 +82,18 @@ std::string format_ghosts(const Ghosts& ghosts) {
   return text + (worst.empty() ? "" : "\n") + format_tracks(ghosts.tracks);
 }
 
+std::string format_counts(const char* title, const PointCounts& counts) {
+  return fmt::format("  {:<11}{:>11}{:>11}{:>9}{:>9}{:>9}{:>9}\n", title, counts.statics, counts.dynamics,
+                     format_number(counts.static_accuracy(), 4), format_number(counts.dynamic_accuracy(), 4),
+                     format_number(counts.associated_accuracy(), 4), format_number(counts.dynamic_iou(), 4));
+}
+
+std::string format_points(const PointScores& points) {
+  return fmt::format("points of {} scans:\n  {:<11}{:>11}{:>11}{:>9}{:>9}{:>9}{:>9}\n", points.scans, "", "static", "dynamic",
+                     "SA", "DA", "AA", "IoU") +
+         format_counts("in view", points.in_view) + format_counts("all", points.all);
+}
+
 }  // namespace
 
 const char* name(Origin origin) {
@@ -109,6 +121,7 @@ std::string format_table(const Evaluation& evaluation) {
                       evaluation.artifacts.overshoot_ppm());
   if (evaluation.ghosts) text += format_ghosts(*evaluation.ghosts);
   if (!evaluation.ghosts_left_out.empty()) text += "ghosts: not known, because " + evaluation.ghosts_left_out + "\n";
+  if (evaluation.points) text += format_points(*evaluation.points);
   if (evaluation.has_truth)
     text += "\n" + format_row("whole frame", "", evaluation.whole_frame) + "   (unchanged pixels count as exact)\n";
   for (const ExternalEvaluation& external : evaluation.external)

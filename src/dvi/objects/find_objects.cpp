@@ -2,25 +2,24 @@
 
 #include <algorithm>
 #include <map>
-#include <memory>
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
-#include "dvi/core/text.h"
-#include "dvi/drive/nearest_in_time.h"
 #include "dvi/objects/completion/complete.h"
 #include "dvi/objects/draw_masks.h"
-#include "dvi/objects/image_masks.h"
 #include "dvi/objects/labeled_objects.h"
 #include "dvi/objects/merge_labels.h"
 #include "dvi/objects/motion_segmentation.h"
+#include "dvi/objects/moving_objects.h"
 #include "dvi/objects/past_border.h"
-#include "dvi/objects/upper_edges.h"
+#include "dvi/objects/removed_objects.h"
+#include "dvi/objects/track_outlines.h"
 
 namespace dvi::objects {
 namespace {
@@ -42,98 +41,6 @@ FrameLabels select_objects(const CameraEvidence& evidence, const RemovalOptions&
   if (evidence.has(MaskSource::detected)) append(labels, run_detector(evidence, progress), next_track(labels));
   return labels;
 }
-
-void warn_of_untrusted(const CameraEvidence& evidence, const std::vector<std::size_t>& contradictory_scans,
-                       Progress& progress) {
-  const Drive& drive = evidence.drive;
-  const auto warn = [&](const std::vector<std::size_t>& scans, const char* reason) {
-    if (scans.empty()) return;
-    std::set<int> frames;
-    for (const std::size_t scan : scans)
-      if (const Frame* frame = nearest_in_time(drive.frames, drive.scan_headers[scan].time_ns, kMaxFrameToScanNs))
-        frames.insert(frame->number);
-    progress.warn(fmt::format("{}: {} of {} scans {}, so moving objects are not searched in them (frames {})", evidence.name,
-                              scans.size(), drive.scan_headers.size(), reason,
-                              frames.empty() ? "none" : format_ranges({frames.begin(), frames.end()})));
-  };
-  std::vector<std::size_t> known;
-  for (std::size_t i = 0; i < evidence.untrusted_scans.size(); ++i)
-    if (evidence.untrusted_scans[i]) known.push_back(i);
-  warn(known, "have poses known to be wrong");
-  warn(contradictory_scans, "contradict the other scans at many positions, which indicates wrong poses");
-}
-
-// The input of the search, which all of its parts share.
-struct SearchInput {
-  const Evidence& evidence;
-  const RemovalOptions& options;
-  Progress& progress;
-};
-
-// The returns of one drive and the objects that move in them.
-struct DriveMotion {
-  std::shared_ptr<const ground::ScanGround> ground;  // null without poses or scans
-  std::unique_ptr<MovingReturns> returns;
-  std::vector<Track> tracks;
-};
-
-// The moving objects of all drives, each segmented at the first call.
-class MovingObjects {
- public:
-  explicit MovingObjects(const SearchInput& input)
-      : evidence_(input.evidence), options_(input.options), progress_(input.progress) {}
-
-  // Returns the motion in the drive whose own camera this is; without tracks if it has no poses or scans.
-  const DriveMotion& of_drive(std::size_t camera) {
-    const auto [entry, is_new] = drives_.try_emplace(camera);
-    if (is_new) entry->second = find(camera);
-    return entry->second;
-  }
-
-  // Draws the outlines of the moving objects into the images of a camera of the drive.
-  FrameLabels draw_outlines_in(std::size_t camera) {
-    const CameraEvidence& evidence = evidence_[camera];
-    return draw_outlines(of_drive(evidence_.own_camera(camera)).tracks, evidence.drive, evidence.world_from_lidar,
-                         options_.masks.footprint_margin_m);
-  }
-
-  // Finds the moving objects in the frames of a camera, by the scans and the images.
-  FrameLabels find_in(std::size_t index) {
-    const CameraEvidence camera = evidence_[index].restricted_to({MaskSource::found});
-    const std::vector<Track>& tracks = of_drive(evidence_.own_camera(index)).tracks;
-    if (tracks.empty() && !camera.rig_of)
-      progress_.warn(camera.name + ": its scans show no moving objects" +
-                     (evidence_[index].sources.size() == 1 ? ", so nothing is removed" : ""));
-    FrameLabels labels = draw_outlines_in(index);
-    set_source(labels, MaskSource::found);
-    if (!evidence_.ground(index)) return labels;
-    const SharedLabels outlines = shared(std::move(labels));
-    labels = extend_in_images({evidence_, index}, draw_plain_masks(camera, outlines, options_), outlines, tracks);
-    set_source(labels, MaskSource::found);
-    return labels;
-  }
-
- private:
-  DriveMotion find(std::size_t camera) {
-    const CameraEvidence& evidence = evidence_[camera];
-    DriveMotion out{evidence_.ground(camera), nullptr, {}};
-    if (!out.ground) return out;
-    out.returns = std::make_unique<MovingReturns>(
-        evidence.drive, ScanPoses{evidence.world_from_lidar, options_.pose_error_m, evidence.untrusted_scans}, *out.ground);
-    progress_.begin("traffic", evidence.drive.scan_headers.size());
-    MotionSegmentation segmentation = segment_motion(*out.returns, progress_.tick());
-    progress_.end();
-    warn_of_untrusted(evidence, segmentation.contradictory_scans, progress_);
-    out.tracks = std::move(segmentation.tracks);
-    find_upper_edges(evidence, *out.returns, out.tracks);
-    return out;
-  }
-
-  const Evidence& evidence_;
-  const RemovalOptions& options_;
-  Progress& progress_;
-  std::map<std::size_t, DriveMotion> drives_;  // by own camera
-};
 
 // Returns whether the masks remove nothing in any frame. The first frame decides for most drives.
 bool removes_nothing(const CameraEvidence& evidence, const SharedLabels& objects, const RemovalOptions& options) {
@@ -233,26 +140,36 @@ void warn_of_repeated_tracks(const CameraMaskEvidence& own, Progress& progress) 
                   own.camera.name, repeated.size(), track, own.camera.drive.frames[frame].number));
 }
 
-// Completes the objects of the drive whose own camera is `own` in all of its cameras.
-void complete_drive(const SearchInput& input, std::size_t own, MovingObjects& moving, Objects& objects) {
+// Collects the evidence of the cameras of a drive that show objects, by their indices. Objects in its scans are not evidence.
+std::map<std::size_t, CameraMaskEvidence> collect_drive_evidence(const SearchInput& input, std::size_t own,
+                                                                 const Objects& objects) {
+  std::map<std::size_t, CameraMaskEvidence> out;
+  for (std::size_t i = own; i < input.evidence.size(); ++i)
+    if (input.evidence.own_camera(i) == own && input.evidence[i].shows_objects())
+      out.emplace(i, collect_mask_evidence(input.evidence[i], objects[i].labels, input.options));
+  return out;
+}
+
+// Completes the objects of the drive whose own camera is `own` in all of its cameras. Returns them by number.
+std::map<int, CompletedObject> complete_drive(const SearchInput& input, std::size_t own, MovingObjects& moving,
+                                              Objects& objects) {
   const auto& [evidence, options, progress] = input;
   std::vector<CameraMaskEvidence> cameras;
   std::vector<CameraObjects*> objects_of;  // per camera
-  for (std::size_t i = own; i < evidence.size(); ++i) {
-    if (evidence.own_camera(i) != own || !evidence[i].shows_objects()) continue;
-    cameras.push_back(collect_mask_evidence(evidence[i], objects[i].labels, options));
+  for (auto& [i, camera] : collect_drive_evidence(input, own, objects)) {
+    cameras.push_back(camera);
     objects_of.push_back(&objects[i]);
   }
-  if (cameras.empty()) return;
+  if (cameras.empty()) return {};
   if (!evidence.ground(own)) {
     warn_of_incomplete(evidence[own], cameras, progress);
-    return;
+    return {};
   }
   warn_of_repeated_tracks(cameras.front(), progress);
   const DriveMotion& motion = moving.of_drive(own);
   progress.begin("complete", motion.returns->scans());
-  const CompletedObjects completed(
-      {cameras, *motion.returns, *motion.ground, motion.tracks, options.masks, options.objects.refine}, progress.tick());
+  CompletedObjects completed({cameras, *motion.returns, *motion.ground, motion.tracks, options.masks, options.objects.refine},
+                             progress.tick());
   progress.end();
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     ObjectOutlines outlines = completed.draw(cameras[i]);
@@ -261,6 +178,7 @@ void complete_drive(const SearchInput& input, std::size_t own, MovingObjects& mo
     objects_of[i]->background = shared(std::move(outlines.background));
     objects_of[i]->motions = completed.motions();
   }
+  return std::move(completed).take();
 }
 
 // Warns about mask files and labels that remove nothing.
@@ -302,7 +220,8 @@ ScanObjects find_labeled(const SearchInput& input, std::size_t index, std::map<s
 }
 
 // Adds the objects in the scans of a drive to those of other sources, with the same numbers in all cameras of the drive.
-void add_scan_objects(const Evidence& evidence, std::size_t own, std::vector<ScanObjects>& found, Objects& objects) {
+// Returns the number of the first one.
+int add_scan_objects(const Evidence& evidence, std::size_t own, std::vector<ScanObjects>& found, Objects& objects) {
   const int first = next_object(evidence, own, objects);
   for (std::size_t i = own; i < evidence.size(); ++i) {
     if (evidence.own_camera(i) != own || found[i].labels.empty()) continue;
@@ -311,16 +230,28 @@ void add_scan_objects(const Evidence& evidence, std::size_t own, std::vector<Sca
     objects[i].labels = shared(std::move(labels));
     for (const ObjectMotion& motion : found[i].motions) objects[i].motions.push_back({first + motion.object, motion.state});
   }
+  return first;
 }
 
-}  // namespace
+// The tracks of the target's drive, with the number of the first one.
+struct NumberedTracks {
+  const std::vector<Track>* tracks = nullptr;  // null: they are not removed
+  int first = 0;
+};
 
-Objects find_objects(const Evidence& evidence, const RemovalOptions& options, Progress& progress) {
+// The objects of the target's drive as the search finds them.
+struct TargetSearch {
+  std::map<std::size_t, CameraMaskEvidence> cameras;  // by index
+  std::map<int, CompletedObject> completed;           // by number
+  NumberedTracks labeled, moving;
+};
+
+// Searches the objects of all drives. Sets `target` unless it is null.
+Objects search(const SearchInput& input, MovingObjects& moving, std::map<std::size_t, LabeledTracks>& tracks_of,
+               TargetSearch* target) {
+  const auto& [evidence, options, progress] = input;
   Objects objects;
   std::vector<ScanObjects> labeled(evidence.size()), found(evidence.size());  // per camera
-  const SearchInput input{evidence, options, progress};
-  MovingObjects moving(input);
-  std::map<std::size_t, LabeledTracks> tracks_of;  // by own camera
   for (std::size_t i = 0; i < evidence.size(); ++i) {
     const CameraEvidence& camera = evidence[i];
     if (options.remove == Remove::moving && !camera.rig_of) warn_of_all_removed(camera, progress);
@@ -331,11 +262,74 @@ Objects find_objects(const Evidence& evidence, const RemovalOptions& options, Pr
   }
   for (std::size_t i = 0; i < evidence.size(); ++i) {
     if (evidence[i].rig_of) continue;
-    if (options.objects.complete) complete_drive(input, i, moving, objects);
-    add_scan_objects(evidence, i, labeled, objects);
-    add_scan_objects(evidence, i, found, objects);
+    if (target && i == 0)
+      for (std::size_t k = 0; k < evidence.size(); ++k)
+        if (evidence.own_camera(k) == 0)
+          target->cameras.emplace(k, collect_mask_evidence(evidence[k], objects[k].labels, options));
+    std::map<int, CompletedObject> completed;
+    if (options.objects.complete) completed = complete_drive(input, i, moving, objects);
+    const int first_labeled = add_scan_objects(evidence, i, labeled, objects);
+    const int first_found = add_scan_objects(evidence, i, found, objects);
+    if (!target || i > 0) continue;
+    target->completed = std::move(completed);
+    if (evidence[i].has(MaskSource::points)) target->labeled = {&tracks_of.at(i).tracks, first_labeled};
+    if (evidence[i].has(MaskSource::found)) target->moving = {&moving.of_drive(i).tracks, first_found};
   }
   return objects;
+}
+
+// Adds objects that are tracks.
+void add_tracks(const NumberedTracks& numbered, ScannedObjects& out) {
+  if (!numbered.tracks) return;
+  for (std::size_t k = 0; k < numbered.tracks->size(); ++k) {
+    const Track& track = (*numbered.tracks)[k];
+    const int number = numbered.first + static_cast<int>(k);
+    out.objects[number].tracks = {track};
+    const std::string type = label_type(track);
+    out.types.try_emplace(number, type.empty() ? type_by_size(track.size_m) : type);
+  }
+}
+
+// Collects the classes and motions of objects that a camera shows.
+void add_descriptions(const CameraEvidence& camera, const CameraObjects& objects, ScannedObjects& out) {
+  for (const SharedLabels& labels : {objects.labels, objects.shown, objects.completed})
+    for (const std::vector<Label>& frame : *labels)
+      for (const Label& label : frame)
+        if (label.track >= 0 && !label.type.empty()) out.types.try_emplace(label.track, label.type);
+  for (const auto& [number, state] : find_motions(camera, objects)) out.motions.try_emplace(number, state);
+}
+
+}  // namespace
+
+Objects find_objects(const Evidence& evidence, const RemovalOptions& options, Progress& progress) {
+  const SearchInput input{evidence, options, progress};
+  MovingObjects moving(input);
+  std::map<std::size_t, LabeledTracks> tracks_of;  // by own camera
+  return search(input, moving, tracks_of, nullptr);
+}
+
+ScannedObjects find_scanned_objects(const Evidence& evidence, const RemovalOptions& options, Progress& progress) {
+  const SearchInput input{evidence, options, progress};
+  MovingObjects moving(input);
+  std::map<std::size_t, LabeledTracks> tracks_of;  // by own camera
+  TargetSearch target;
+  const Objects objects = search(input, moving, tracks_of, &target);
+  const CameraEvidence& own = evidence[0];
+  ScannedObjects out{own.drive, own.world_from_lidar, options.masks, evidence.ground(0), moving.of_drive(0).returns};
+  for (std::size_t i = 0; i < evidence.size(); ++i)
+    if (evidence.own_camera(i) == 0) add_descriptions(evidence[i], objects[i], out);
+  for (auto& [i, camera] : target.cameras)
+    out.cameras.push_back({camera, {objects[i].labels, objects[i].shown, objects[i].completed}});
+  out.objects = std::move(target.completed);
+  for (LabeledBoxes& boxes : LabeledBoxes::collect(own.drive, *target.cameras.at(0).labels, own.world_from_lidar))
+    out.objects[boxes.track()].boxes = std::move(boxes);
+  add_tracks(target.labeled, out);
+  add_tracks(target.moving, out);
+  out.all_moving = target.moving.tracks != nullptr;
+  if (target.moving.tracks)
+    for (std::size_t k = 0; k < target.moving.tracks->size(); ++k)
+      out.motions[target.moving.first + static_cast<int>(k)] = MotionState::moving;
+  return out;
 }
 
 }  // namespace dvi::objects

@@ -5,6 +5,7 @@
 #include "dvi/core/progress.h"
 #include "dvi/objects/camera_objects.h"
 #include "dvi/objects/evidence.h"
+#include "dvi/objects/object_returns.h"
 
 namespace dvi::objects {
 
@@ -18,5 +19,9 @@ using Objects = std::vector<CameraObjects>;
 /// (completion/complete.h), which needs poses and scans. Warnings state when the motion state of objects is unknown, so that
 /// all are removed, and when objects cannot be completed.
 Objects find_objects(const Evidence& evidence, const RemovalOptions& options, Progress& progress);
+
+/// Does the same search, and returns the objects of the target's drive where its scans show them. The numbers are those of
+/// find_objects(); objects that no image shows have others. `evidence` must outlive the result.
+ScannedObjects find_scanned_objects(const Evidence& evidence, const RemovalOptions& options, Progress& progress);
 
 }  // namespace dvi::objects

@@ -79,19 +79,6 @@ std::map<int, ObjectPixels> measure_frame(const CameraEvidence& evidence, const 
   return out;
 }
 
-std::map<int, MotionState> find_motions(const CameraEvidence& evidence, const CameraObjects& objects) {
-  std::map<int, MotionState> out;
-  if (evidence.has(MaskSource::labels))
-    for (const TrackMotion& motion : measure_track_motions(evidence.drive, *objects.labels, evidence.world_from_lidar))
-      out[motion.track] = motion.moves ? MotionState::moving : MotionState::stationary;
-  if (evidence.has(MaskSource::found))
-    for (const std::vector<Label>& frame : *objects.labels)
-      for (const Label& label : frame)
-        if (label.source == MaskSource::found) out[label.track] = MotionState::moving;
-  for (const ObjectMotion& motion : objects.motions) out.try_emplace(motion.object, motion.state);
-  return out;
-}
-
 // Adds a frame to the residue of an object.
 void add_residue(const FrameResidue& found, int frame, std::optional<ObjectResidue>& residue) {
   if (!residue) residue.emplace();
@@ -151,6 +138,19 @@ nlohmann::json residue_json(const RemovedObject& object) {
 }
 
 }  // namespace
+
+std::map<int, MotionState> find_motions(const CameraEvidence& evidence, const CameraObjects& objects) {
+  std::map<int, MotionState> out;
+  if (evidence.has(MaskSource::labels))
+    for (const TrackMotion& motion : measure_track_motions(evidence.drive, *objects.labels, evidence.world_from_lidar))
+      out[motion.track] = motion.moves ? MotionState::moving : MotionState::stationary;
+  if (evidence.has(MaskSource::found))
+    for (const std::vector<Label>& frame : *objects.labels)
+      for (const Label& label : frame)
+        if (label.source == MaskSource::found) out[label.track] = MotionState::moving;
+  for (const ObjectMotion& motion : objects.motions) out.try_emplace(motion.object, motion.state);
+  return out;
+}
 
 std::vector<RemovedObject> list_removed_objects(const CameraEvidence& evidence, const CameraObjects& objects,
                                                 const MaskOptions& options, const ReadResult& read_result) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,6 +39,9 @@ struct RemovedObject {
 /// measured; if it is empty, the residue is not measured.
 std::vector<RemovedObject> list_removed_objects(const CameraEvidence& evidence, const CameraObjects& objects,
                                                 const MaskOptions& options, const ReadResult& read_result = {});
+
+/// Returns the motion of the objects of a camera, by number; unknown ones are missing.
+std::map<int, MotionState> find_motions(const CameraEvidence& evidence, const CameraObjects& objects);
 
 /// Counts of removed objects, for summaries.
 struct ObjectCounts {

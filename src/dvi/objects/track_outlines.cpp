@@ -122,6 +122,10 @@ ScanEvidence rate_scan_evidence(const Track& track, std::int64_t time_ns) {
   return weak ? ScanEvidence::weak : ScanEvidence::strong;
 }
 
+std::string type_by_size(const Eigen::Vector2d& size_m) {
+  return size_m.maxCoeff() > kOutline.max_person_m ? "vehicle" : "person";
+}
+
 std::optional<Label> draw_outline(const Track& track, std::int64_t time_ns, const OutlineView& view) {
   const Camera& camera = view.camera;
   const Body body = predict_body(track, time_ns, view.world_from_lidar.t.head<2>());
@@ -154,7 +158,7 @@ std::optional<Label> draw_outline(const Track& track, std::int64_t time_ns, cons
   if (cv::countNonZero(mask) == 0) return std::nullopt;
   Box box = compute_bounding_box(body);
   Label label;
-  label.type = box.size.head<2>().maxCoeff() > kOutline.max_person_m ? "vehicle" : "person";
+  label.type = type_by_size(box.size.head<2>());
   box.frame_from_box = lidar_from_world * box.frame_from_box;
   label.box = box;
   label.instance = to_outline(mask);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "dvi/objects/tracks.h"
 
@@ -14,6 +15,9 @@ struct OutlineView {
   SE3 camera_from_lidar;
   double footprint_m = 0;  ///< width of the ground around an object that is masked with it: wheels, and the darkest shadow
 };
+
+/// Returns the class of an object for Label::type by its size in meters, seen from above: a vehicle is longer than a person.
+std::string type_by_size(const Eigen::Vector2d& size_m);
 
 /// Draws a tracked object into an image taken at `time_ns`: the returns of the nearest scan, moved along the track, and the
 /// ground below and around them. Returns nothing if the track has no returns near that time or they lie outside the image.

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -56,6 +57,9 @@ class CompletedObjects {
 
   /// Returns the motion of the objects, by number.
   std::vector<ObjectMotion> motions() const;
+
+  /// Returns the objects by number, and leaves none.
+  std::map<int, CompletedObject> take() && { return std::move(objects_); }
 
  private:
   class FrameDrawing;

@@ -200,9 +200,13 @@ std::optional<MaskedFrame> find_masked_frame(const CameraMaskEvidence& evidence,
   const std::optional<SE3> pose = evidence.camera.world_from_lidar.at(nearest->time_ns);
   if (!pose) return std::nullopt;
   const auto frame = static_cast<std::size_t>(nearest - drive.frames.data());
-  return MaskedFrame{
-      &(*evidence.labels)[frame], &drive.camera,        pose->inverse(), drive.camera_from_lidar * pose->inverse(),
-      evidence.removed[frame],    evidence.masks[frame]};
+  return MaskedFrame{&(*evidence.labels)[frame],
+                     &drive.camera,
+                     pose->inverse(),
+                     drive.camera_from_lidar * pose->inverse(),
+                     evidence.removed[frame],
+                     evidence.masks[frame],
+                     frame};
 }
 
 std::vector<MaskVote> vote_by_masks(const std::vector<CameraMaskEvidence>& cameras, const ObstacleReturns& returns,

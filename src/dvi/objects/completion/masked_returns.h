@@ -34,6 +34,7 @@ struct MaskedFrame {
   SE3 lidar_from_world;
   SE3 camera_from_world;
   std::shared_ptr<const cv::Mat1b> removed, mask;  ///< `removed` and `masks` of CameraMaskEvidence
+  std::size_t index = 0;                           ///< of the frame in its drive
 
   /// Projects a point in world axes. Returns nothing if it is outside the image.
   std::optional<cv::Point> project(const Eigen::Vector3d& world) const;
