@@ -235,10 +235,6 @@ StageCache ResultFolder::make_stage_cache(Progress& progress, StageCache::Missin
   return {out_, stages_fingerprint_of(job_, content_), progress, missing};
 }
 
-StageCache ResultFolder::make_fill_cache(Progress& progress, StageCache::Missing missing) const {
-  return {out_, fingerprint_, progress, missing};
-}
-
 void ResultFolder::write_plan(const Progress& progress) const {
   write_file(out_ / "dvi.toml", format_options());
   write_cost(out_, "plan", fingerprint_, make_cost_report(progress, CpuClock(), 0));

@@ -80,7 +80,9 @@ class ResultFolder {
   /// Returns the cache of the stages before the fill.
   StageCache make_stage_cache(Progress& progress, StageCache::Missing missing = StageCache::Missing::compute) const;
   /// Returns the cache of stages that also depend on the options of the fill.
-  StageCache make_fill_cache(Progress& progress, StageCache::Missing missing) const;
+  StageCache make_fill_cache(Progress& progress, StageCache::Missing missing) const {
+    return {out_, fingerprint_, progress, missing};
+  }
 
   /// Writes the options, the cost, and the manifest of the plan, after all stages before the fill are cached.
   void write_plan(const Progress& progress) const;

@@ -45,6 +45,7 @@ ExemplarLevel halve(const ExemplarLevel& fine) {
   ExemplarLevel out;
   out.scale = 2 * fine.scale;
   const cv::Size size((fine.size().width + 1) / 2, (fine.size().height + 1) / 2);
+  cv::resize(fine.prior, out.prior, size, 0, 0, cv::INTER_AREA);
   out.color = cv::Mat4f(size, cv::Vec4f());
   out.unknown = cv::Mat1b(size, uchar{0});
   out.usable = cv::Mat1b(size, uchar{0});

@@ -15,6 +15,7 @@ struct ExemplarLevel {
   cv::Mat1b group;      ///< As in the guide.
   cv::Mat2f ground;     ///< As in the guide.
   cv::Mat4f slope;      ///< Derivative of `ground` by x and y: along/x, left/x, along/y, left/y.
+  cv::Mat4f prior;      ///< The smooth color that an exemplar should have on average, in unknown pixels.
   cv::Mat1f clearance;  ///< Largest radius of a square around the pixel that has exemplar pixels only.
 
   cv::Size size() const { return color.size(); }

@@ -24,6 +24,8 @@ struct ExemplarParams {
   float row_levels = 3;     ///< Cost of an exemplar at another height in the image, per 10 px.
   float left_levels = 15;   ///< Cost of an exemplar on the ground farther to the side, per meter.
   float place_max = 45;     ///< Largest cost of these distances.
+  float prior_weight = 1;   ///< Weight of the difference of the mean color of an exemplar to the interpolation ...
+  float prior_max = 80;     ///< ... which counts up to this difference.
   float usage_levels = 6;   ///< Cost of an exemplar that is used twice as often as the mean.
   float usage_max = 20;     ///< Largest cost of usage.
 };
@@ -61,6 +63,7 @@ ExemplarSearch::ExemplarSearch(ExemplarLevel& level, Random& random)
   cv::Mat1f weight(level.size(), kExemplar.known_weight);
   weight.setTo(1, level.unknown);
   weight_ = box_sum(weight);
+  cv::boxFilter(level.color, mean_, CV_32F, cv::Size(kSide, kSide));
   for (int y = 0; y < level.size().height; ++y)
     for (int x = 0; x < level.size().width; ++x)
       if (level.clearance(y, x) >= kR) sources_[level.group(y, x)].emplace_back(x, y);
@@ -216,7 +219,12 @@ float ExemplarSearch::cost_of_place(cv::Point target, cv::Point source, const Pa
   const float place = std::min(distance, kExemplar.place_max),
               used = std::min(kExemplar.usage_levels * usage_(source), kExemplar.usage_max),
               scaled = on_ground && warp.is_identity() && source != target ? kExemplar.scale_levels : 0;
-  return place * place + used * used + scaled * scaled;
+  float cost = place * place + used * used + scaled * scaled;
+  if (level_.unknown(target) != 0) {
+    const cv::Vec4f difference = mean_(source) - level_.prior(target);
+    cost += kExemplar.prior_weight * std::min(difference.dot(difference) / 3, kExemplar.prior_max * kExemplar.prior_max);
+  }
+  return cost;
 }
 
 /// Computes the mean squared difference of a patch and an exemplar, with the cost of its place; infinite from `limit` on.

@@ -71,6 +71,7 @@ class ExemplarSearch {
   std::vector<Exemplar> matches_;                    // one per target
   std::array<std::vector<cv::Point>, 256> sources_;  // centers of possible exemplars, by group
   cv::Mat1f usage_;                                  // how often a pixel is used, relative to the mean, minus 1
+  cv::Mat4f mean_;                                   // mean color of the pixels of each patch
   cv::Mat1f weight_;                                 // sum of the weights of the pixels of each patch
 };
 

@@ -72,6 +72,7 @@ void complete_from_exemplars(cv::Mat3f& color, const cv::Mat1b& unknown, const c
   ExemplarLevel finest;
   cv::cvtColor(color, finest.color, cv::COLOR_BGR2BGRA);
   finest.color = finest.color.mul(cv::Scalar(1, 1, 1, 0));
+  finest.prior = finest.color.clone();
   finest.unknown = unknown.clone();
   finest.usable = usable & ~unknown & (guide.group != 0);
   finest.group = guide.group;

@@ -21,6 +21,7 @@ using harmonize::Kind, harmonize::SurfaceClass;
 /// Parameters of the surfaces.
 struct SurfaceGuideParams {
   double max_ground_height_m = 0.35;  ///< Largest height above the ground; no curb is higher.
+  double lane_half_width_m = 2;       ///< Distance from the path of the camera within which there is only road.
   double max_blind_m = 15;            ///< Distance of ground up to which no beam of the LiDAR may hit it.
   int median_px = 7;                  ///< Side of the square whose prevailing group a pixel of the hole has.
   double max_depth_m = 80;            ///< Largest depth of the plane of the ground.
@@ -45,6 +46,7 @@ class Surfaces {
     if (z == depth::DepthMap::kInfinity) return Group::upright;
     if (!has_ground_) return Group::upright;
     const Eigen::Vector3d ray = world_from_camera_.R * view_.camera.ray({p.x, p.y});
+    if (is_hole && is_in_lane(ray)) return Group::ground;
     if (is_hole && !classes_.empty() && classes_(p) != static_cast<uchar>(SurfaceClass::unknown))
       return classes_(p) == static_cast<uchar>(SurfaceClass::ground) ? Group::ground : Group::upright;
     if (!depth::DepthMap::is_solid(z)) {
@@ -70,6 +72,14 @@ class Surfaces {
   }
 
  private:
+  /// Whether a ray meets the plane of the ground in the lane: nothing upright is there, because the camera drove along it.
+  bool is_in_lane(const Eigen::Vector3d& ray) const {
+    const double z = below_m_ / -ray.z();
+    if (!(ray.z() < 0 && z < kSurfaceGuide.max_depth_m)) return false;
+    const auto at = ground_.road().locate((world_from_camera_.t + z * ray).head<2>());
+    return at && std::abs(at->y()) < kSurfaceGuide.lane_half_width_m;
+  }
+
   const harmonize::FilledFrame& frame_;
   const View& view_;
   const cv::Mat1b& classes_;
