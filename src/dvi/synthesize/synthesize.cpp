@@ -11,6 +11,7 @@
 #include "dvi/drive/view.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/image/blur.h"
+#include "dvi/image/color_range.h"
 #include "dvi/image/neighbors.h"
 #include "dvi/image/poisson.h"
 #include "dvi/image/region.h"
@@ -114,6 +115,22 @@ void interpolate(cv::Mat3f& color, const cv::Mat1b& inner, const cv::Mat1b& othe
   for (std::size_t i = 0; i < x.size(); ++i) color(system.region.pixels[i]) = x[i];
 }
 
+/// Limits colors to those of the original pixels of the frame, because gains are wrong in black and in white frames.
+void limit_to_original(const Region& region, harmonize::FilledFrame& frame) {
+  const cv::Mat1b original(frame.kind == static_cast<uchar>(Kind::original));
+  if (cv::countNonZero(original) == 0) return;
+  ColorRange range;
+  for (int c = 0; c < 3; ++c) {
+    cv::Mat1f channel;
+    cv::extractChannel(frame.color, channel, c);
+    double low = 0, high = 0;
+    cv::minMaxLoc(channel, &low, &high, nullptr, nullptr, original);
+    range.low[c] = static_cast<float>(low);
+    range.high[c] = static_cast<float>(high);
+  }
+  for (const cv::Point p : region.pixels) frame.color(p) = range.clamp(frame.color(p));
+}
+
 }  // namespace
 
 SynthesizedFrame synthesize(const harmonize::FilledFrame& frame, const Views& views, std::size_t index,
@@ -144,6 +161,7 @@ SynthesizedFrame synthesize(const harmonize::FilledFrame& frame, const Views& vi
     complete_from_exemplars(color, part.unknown, usable(part.box), out.guide.of(part.box), index);
   }
   adapt_to_boundary(made.color, wanted, out.guide);
+  limit_to_original(Region(wanted), made);
   write_confidence(Region(wanted), made);
   return out;
 }
