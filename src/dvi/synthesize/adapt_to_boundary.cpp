@@ -45,8 +45,9 @@ void add_steps(const cv::Mat3f& color, const cv::Mat1b& inner, const cv::Mat1b& 
   const MaskedMean inside(color, cv::Mat1b(inner & group)), outside(color, cv::Mat1b(~inner & group));
   for (const cv::Point p : Region(cv::Mat1b(inner & group)).pixels) {
     if (!inside.has(p) || !outside.has(p)) continue;
-    step(p) = outside.at(p) - inside.at(p);
-    const float size = static_cast<float>(cv::norm(step(p))) / kBoundary.edge_levels;
+    const cv::Vec3f difference = outside.at(p) - inside.at(p);
+    const float size = static_cast<float>(cv::norm(difference)) / kBoundary.edge_levels;
+    step(p) = cv::Vec3f::all((difference[0] + difference[1] + difference[2]) / 3);
     weight(p) = std::exp(-size * size);
   }
 }
