@@ -89,7 +89,7 @@ std::vector<std::uint32_t> read_point_labels(const fs::path& file) {
   if (bytes.size() != values.size() * sizeof(std::uint32_t))
     throw InputError(file, fmt::format("{} bytes are not a whole number of labels of 4 bytes", bytes.size()),
                      "write one uint32 per point, as in SemanticKITTI");
-  std::memcpy(values.data(), bytes.data(), bytes.size());
+  if (!values.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
   return values;
 }
 

@@ -48,6 +48,12 @@ class LabeledPoints : public testing::Test {
   Drive drive;
 };
 
+TEST(ReadPointLabels, AnEmptyFileHasNoLabels) {
+  const TempFolder folder;
+  folder.write("empty.label", "");
+  EXPECT_THAT(read_point_labels(folder.path / "empty.label"), IsEmpty());
+}
+
 TEST_F(LabeledPoints, BelongToTheReturnsOfTheirFile) {
   const std::uint32_t moving_car = 7U << 16U | 252U;
   write("000000.label", {10, 252, 40, moving_car});
