@@ -1,5 +1,7 @@
 #include "dvi/run/run.h"
 
+#include <algorithm>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -109,7 +111,7 @@ class Run {
   StaticMap build_map() const;
   HarmonizeInput make_harmonize_input(const Target& target, const Candidates& candidates) const;
   HarmonizedFrame harmonize(std::size_t frame) const;
-  SynthesizedFrame synthesize(std::size_t frame, const HarmonizedFrame& harmonized, const CompletedViews& keys) const;
+  SynthesizedFrame synthesize(std::size_t frame, const HarmonizedFrame& harmonized, const CompletedViews& completed) const;
   CompletedViews complete_views();
 
   const job::Job& job_;
@@ -162,27 +164,27 @@ HarmonizedFrame Run::harmonize(std::size_t frame) const {
   return {std::move(filled), labels.energy, std::move(input.classes)};
 }
 
-SynthesizedFrame Run::synthesize(std::size_t frame, const HarmonizedFrame& harmonized, const CompletedViews& keys) const {
-  return context_->stages.synthesize(harmonized.filled, views_, frame, harmonized.classes, *context_->ground, keys);
+SynthesizedFrame Run::synthesize(std::size_t frame, const HarmonizedFrame& harmonized, const CompletedViews& completed) const {
+  return context_->stages.synthesize(harmonized.filled, views_, frame, harmonized.classes, *context_->ground, completed);
 }
 
 CompletedViews Run::complete_views() {
   const std::vector<std::size_t> selected = synthesize::select_views_to_complete(views_);
   progress_.begin("completion", selected.size());
-  CompletedViews keys;
+  CompletedViews completed;
   for_blocks(selected.size(), [&](std::size_t first, std::size_t last) {
     std::vector<std::shared_ptr<const HarmonizedFrame>> harmonized(last - first);
     parallel_for(last - first, [&](std::size_t i) { harmonized[i] = harmonized_[selected[first + i]]; });
     for (std::size_t i = first; i < last; ++i) {
-      const SynthesizedFrame made = synthesize(selected[i], *harmonized[i - first], keys);
+      const SynthesizedFrame made = synthesize(selected[i], *harmonized[i - first], completed);
       if (!made.guide.group.empty())
-        keys.push_back(
+        completed.push_back(
             synthesize::make_completed_view(made.frame, made.completed, made.guide, views_, selected[i], *context_->ground));
       progress_.advance();
     }
   });
   progress_.end();
-  return keys;
+  return completed;
 }
 
 FilledView Run::fill(std::size_t frame) const {
@@ -190,7 +192,10 @@ FilledView Run::fill(std::size_t frame) const {
     HarmonizedFrame harmonized = harmonize(frame);
     return {std::move(harmonized.filled), harmonized.energy};
   }
-  const std::shared_ptr<const HarmonizedFrame> harmonized = harmonized_[frame];
+  const bool is_completed = std::any_of(completed_views_.begin(), completed_views_.end(),
+                                        [frame](const synthesize::CompletedView& made) { return made.view == frame; });
+  const std::shared_ptr<const HarmonizedFrame> harmonized =
+      is_completed ? harmonized_[frame] : std::make_shared<const HarmonizedFrame>(harmonize(frame));
   return {synthesize(frame, *harmonized, completed_views_).frame, harmonized->energy};
 }
 

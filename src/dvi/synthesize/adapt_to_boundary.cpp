@@ -10,6 +10,7 @@
 #include "dvi/image/neighbors.h"
 #include "dvi/image/poisson.h"
 #include "dvi/image/region.h"
+#include "dvi/synthesize/surface_guide.h"
 
 namespace dvi::synthesize {
 namespace {
@@ -22,7 +23,7 @@ struct BoundaryParams {
 };
 constexpr BoundaryParams kBoundary;
 
-/// Computes the mean color over a square around each pixel of those in a mask; `known` is 255 where there are some.
+/// The mean color of the pixels of a mask over a square around each pixel.
 struct MaskedMean {
   MaskedMean(const cv::Mat3f& color, const cv::Mat1b& mask) {
     cv::Mat3f masked(color.size(), cv::Vec3f());
@@ -59,7 +60,8 @@ void adapt_to_boundary(cv::Mat3f& color, const cv::Mat1b& inner, const SurfaceGu
   if (region.pixels.empty()) return;
   cv::Mat3f step(color.size(), cv::Vec3f());  // across the boundary, from inside to outside, of mean colors
   cv::Mat1f weight(color.size(), 0.0F);
-  for (const uchar group : {uchar{1}, uchar{2}}) add_steps(color, inner, cv::Mat1b(guide.group == group), step, weight);
+  for (const Group group : {Group::ground, Group::upright})
+    add_steps(color, inner, cv::Mat1b(guide.group == static_cast<uchar>(group)), step, weight);
   const cv::Rect inside({}, inner.size());
   PoissonSystem system{region, {}, {}, 1};
   for (const cv::Point p : region.pixels) {

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <optional>
 
 #include <opencv2/imgproc.hpp>
@@ -16,16 +14,16 @@
 namespace dvi::synthesize {
 namespace {
 
-/// Parameters of key frames.
+/// Parameters of completed views.
 struct CompletedViewParams {
-  double step_m = 5;            ///< Path between key frames.
-  double step_rad = 0.2;        ///< Rotation between key frames.
-  double max_distance_m = 150;  ///< Distance from which a key frame is not shown.
+  double step_m = 5;            ///< Path between completed views.
+  double step_rad = 0.2;        ///< Rotation between completed views.
+  double max_distance_m = 150;  ///< Distance from which a completed view is not shown.
   double far_m = 300;           ///< Depth of surfaces without depth, such as the sky.
   double max_ground_m = 200;    ///< Largest depth of the ground.
   int median_px = 5;            ///< Side of the square whose median depth an upright surface has.
   int ground_rounds = 4;        ///< Iterations of the intersection of a ray with the ground.
-  int max_footprint_px = 12;    ///< Largest area of a key frame that is averaged for a pixel.
+  int max_footprint_px = 12;    ///< Largest area of a completed view that is averaged for a pixel.
 };
 constexpr CompletedViewParams kCompletedView;
 
@@ -47,24 +45,24 @@ std::optional<double> intersect_ground(const SE3& world_from_camera, const Eigen
   return z;
 }
 
-/// A key frame as images, in the bounding box of its pixels.
-struct KeyImage {
-  KeyImage(const CompletedView& key, const View& view) {
-    if (key.pixels.empty()) return;
+/// A completed view as images, in the bounding box of its pixels.
+struct CompletedImage {
+  CompletedImage(const CompletedView& completed, const View& view) {
+    if (completed.pixels.empty()) return;
     const auto to_point = [&](std::int32_t i) { return cv::Point(i % view.camera.width, i / view.camera.width); };
     std::vector<cv::Point> points;
-    points.reserve(key.size());
-    for (const std::int32_t i : key.pixels) points.push_back(to_point(i));
+    points.reserve(completed.size());
+    for (const std::int32_t i : completed.pixels) points.push_back(to_point(i));
     box = cv::boundingRect(points);
     color = cv::Mat3b(box.size(), cv::Vec3b());
     depth_m = cv::Mat1f(box.size(), 0.0F);
-    for (std::size_t i = 0; i < key.size(); ++i) {
-      color(points[i] - box.tl()) = key.colors[i];
-      depth_m(points[i] - box.tl()) = key.depths_m[i];
+    for (std::size_t i = 0; i < completed.size(); ++i) {
+      color(points[i] - box.tl()) = completed.colors[i];
+      depth_m(points[i] - box.tl()) = completed.depths_m[i];
     }
   }
 
-  /// Returns the mean color over a square around a position in the image; nothing if no pixel of the key frame is there.
+  /// Returns the mean color over a square around a position in the image; nothing if no pixel of the completed view is there.
   std::optional<cv::Vec3f> read(const Eigen::Vector2d& at, int side) const {
     const double x = at.x() - box.x, y = at.y() - box.y;
     cv::Vec3f sum;
@@ -90,15 +88,15 @@ struct KeyImage {
   cv::Mat1f depth_m;
 };
 
-/// Projects the pixels of a key frame into a view. Returns the smallest depth in each pixel, 0 where there is none.
-cv::Mat1f project_depths(const KeyImage& key, const View& from, const View& view, const cv::Mat1b& wanted) {
+/// Projects the pixels of a completed view into a view. Returns the smallest depth in each pixel, 0 where there is none.
+cv::Mat1f project_depths(const CompletedImage& completed, const View& from, const View& view, const cv::Mat1b& wanted) {
   cv::Mat1f out(wanted.size(), 0.0F);
-  const SE3 view_from_key = view.camera_from_world * from.camera_from_world.inverse();
-  for (int y = 0; y < key.box.height; ++y)
-    for (int x = 0; x < key.box.width; ++x) {
-      const float z = key.depth_m(y, x);
+  const SE3 view_from_completed = view.camera_from_world * from.camera_from_world.inverse();
+  for (int y = 0; y < completed.box.height; ++y)
+    for (int x = 0; x < completed.box.width; ++x) {
+      const float z = completed.depth_m(y, x);
       if (z == 0) continue;
-      const Eigen::Vector3d point = view_from_key * (z * from.camera.ray({x + key.box.x, y + key.box.y}));
+      const Eigen::Vector3d point = view_from_completed * (z * from.camera.ray({x + completed.box.x, y + completed.box.y}));
       if (point.z() < 0.5 || !view.camera.in_front(point)) continue;
       const Eigen::Vector2d at = view.camera.project(point);
       const double half = 0.5 * std::clamp(1.1 * z / point.z() * view.camera.fx / from.camera.fx, 1.0, 8.0);
@@ -170,22 +168,23 @@ CompletedView make_completed_view(const harmonize::FilledFrame& frame, const cv:
   return out;
 }
 
-cv::Mat1b show_completed_views(const CompletedViews& keys, const Views& views, const View& view, const cv::Mat1b& wanted,
+cv::Mat1b show_completed_views(const CompletedViews& all, const Views& views, const View& view, const cv::Mat1b& wanted,
                                cv::Mat3f& color) {
   cv::Mat1b shown(wanted.size(), uchar{0}), open = wanted.clone();
   const SE3 world_from_camera = view.camera_from_world.inverse();
-  for (const CompletedView& key : keys) {
-    const View& from = views[key.view];
-    if (key.pixels.empty() || (from.camera_from_world.inverse().t - world_from_camera.t).norm() > kCompletedView.max_distance_m)
+  for (const CompletedView& completed : all) {
+    const View& from = views[completed.view];
+    if (completed.pixels.empty() ||
+        (from.camera_from_world.inverse().t - world_from_camera.t).norm() > kCompletedView.max_distance_m)
       continue;
-    const KeyImage image(key, from);
+    const CompletedImage image(completed, from);
     const cv::Mat1f depths = project_depths(image, from, view, open);
-    const SE3 key_from_view = from.camera_from_world * world_from_camera;
+    const SE3 completed_from_view = from.camera_from_world * world_from_camera;
     for (int y = 0; y < depths.rows; ++y)
       for (int x = 0; x < depths.cols; ++x) {
         const float z = depths(y, x);
         if (z == 0) continue;
-        const Eigen::Vector3d point = key_from_view * (z * view.camera.ray({x, y}));
+        const Eigen::Vector3d point = completed_from_view * (z * view.camera.ray({x, y}));
         if (point.z() <= 0.1 || !from.camera.in_front(point)) continue;
         const Eigen::Vector2d at = from.camera.project(point);
         const int side = std::clamp(static_cast<int>(std::lround(z / point.z() * from.camera.fx / view.camera.fx)), 1,

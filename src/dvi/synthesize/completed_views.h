@@ -23,22 +23,22 @@ struct CompletedView {
   std::size_t size() const { return pixels.size(); }
 };
 
-/// The key frames of a drive, in the order in which they are completed.
+/// The completed views of a drive, in the order in which they are completed.
 using CompletedViews = std::vector<CompletedView>;
 
-/// Selects key frames: views of the target at intervals of some meters or degrees, and the views at both ends. Each key frame
-/// is completed after those before it, which it shows, too. The first is the view nearest to the surfaces that others show from
-/// farther away: the last one, or the first one of a drive backward.
+/// Selects the views to complete: views of the target at intervals of some meters or degrees, and the views at both ends. Each
+/// view is completed after those before it, which it shows, too. The first is the view nearest to the surfaces that others show
+/// from farther away: the last one, or the first one of a drive backward.
 std::vector<std::size_t> select_views_to_complete(const Views& views);
 
-/// Makes a key frame from the pixels of `completed`, 255 each, of a frame. Ground has the depth of the road's ground; upright
-/// surfaces have the depth of the frame, or that of the ground at their feet.
+/// Makes a completed view from the pixels of `completed`, 255 each, of a frame. Ground has the depth of the road's ground;
+/// upright surfaces have the depth of the frame, or that of the ground at their feet.
 CompletedView make_completed_view(const harmonize::FilledFrame& frame, const cv::Mat1b& completed, const SurfaceGuide& guide,
                                   const Views& views, std::size_t view, const ground::RoadGround& ground);
 
-/// Writes the colors of key frames into the pixels of `wanted` of a view, and returns the pixels that a key frame shows, 255
-/// each. Of several, the first one counts.
-cv::Mat1b show_completed_views(const CompletedViews& keys, const Views& views, const View& view, const cv::Mat1b& wanted,
+/// Writes the colors of completed views into the pixels of `wanted` of a view, and returns the pixels that a completed view
+/// shows, 255 each. Of several, the first one counts.
+cv::Mat1b show_completed_views(const CompletedViews& all, const Views& views, const View& view, const cv::Mat1b& wanted,
                                cv::Mat3f& color);
 
 }  // namespace dvi::synthesize

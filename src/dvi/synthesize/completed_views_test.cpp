@@ -108,10 +108,10 @@ TEST(CompletedViews, TheFirstOneCounts) {
   GroundFrame dark(views[1]), bright(views[0]);
   dark.frame.color.setTo(cv::Scalar::all(20));
   bright.frame.color.setTo(cv::Scalar::all(220));
-  const CompletedViews keys{make_completed_view(dark.frame, below_horizon(), dark.guide, views, 1, ground),
-                            make_completed_view(bright.frame, below_horizon(), bright.guide, views, 0, ground)};
+  const CompletedViews completed{make_completed_view(dark.frame, below_horizon(), dark.guide, views, 1, ground),
+                                 make_completed_view(bright.frame, below_horizon(), bright.guide, views, 0, ground)};
   cv::Mat3f color(kViewSize, cv::Vec3f());
-  show_completed_views(keys, views, views[0], below_horizon(), color);
+  show_completed_views(completed, views, views[0], below_horizon(), color);
   EXPECT_NEAR(color(80, 160)[0], 20, 1e-3);
   EXPECT_NEAR(color(118, 160)[0], 220, 1e-3);  // nearer than the first one shows
 }

@@ -142,8 +142,7 @@ PatchWarp ExemplarSearch::warp_of(cv::Point target, cv::Point source) const {
   // Inverse of the source's derivative [s0 s2; s1 s3], times the target's.
   const PatchWarp out{(s[3] * t[0] - s[2] * t[1]) / det, (s[3] * t[2] - s[2] * t[3]) / det, (s[0] * t[1] - s[1] * t[0]) / det,
                       (s[0] * t[3] - s[1] * t[2]) / det};
-  const float extent = std::max(std::abs(out.xx) + std::abs(out.xy), std::abs(out.yx) + std::abs(out.yy));
-  return extent < 2 * kExemplar.max_scale ? out : PatchWarp{};
+  return out.extent() < 2 * kExemplar.max_scale ? out : PatchWarp{};
 }
 
 cv::Vec4f ExemplarSearch::color_of(cv::Point source, const PatchWarp& warp, cv::Point offset) const {
@@ -231,9 +230,9 @@ float ExemplarSearch::cost_of_place(cv::Point target, cv::Point source, const Pa
 float ExemplarSearch::cost_of(cv::Point target, cv::Point source, float limit) const {
   if (level_.group(source) != level_.group(target)) return kInfinite;
   const PatchWarp warp = warp_of(target, source);
-  const float extent = std::max(std::abs(warp.xx) + std::abs(warp.xy), std::abs(warp.yx) + std::abs(warp.yy));
   // Bilinear interpolation needs one more pixel.
-  if (level_.clearance(source) < (warp.is_identity() ? kR : std::floor(static_cast<float>(kR) * extent) + 1)) return kInfinite;
+  if (level_.clearance(source) < (warp.is_identity() ? kR : std::floor(static_cast<float>(kR) * warp.extent()) + 1))
+    return kInfinite;
   const float prior = cost_of_place(target, source, warp);
   if (prior >= limit) return kInfinite;
   const int y0 = std::max(-kR, -target.y), y1 = std::min(kR, level_.size().height - 1 - target.y),

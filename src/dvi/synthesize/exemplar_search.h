@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <vector>
@@ -18,6 +20,8 @@ struct PatchWarp {
   float xx = 1, xy = 0, yx = 0, yy = 1;
   bool is_identity() const { return xx == 1 && yy == 1 && xy == 0 && yx == 0; }
   cv::Point2f operator*(cv::Point2f d) const { return {xx * d.x + xy * d.y, yx * d.x + yy * d.y}; }
+  /// Returns the half side of the square around the exemplar of a patch with half side 1.
+  float extent() const { return std::max(std::abs(xx) + std::abs(xy), std::abs(yx) + std::abs(yy)); }
 };
 
 /// The exemplar of a patch, by the pixel that corresponds to the center of the patch.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
@@ -63,21 +64,27 @@ class Surfaces {
   cv::Vec2f ground_of(cv::Point p) const {
     constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
     if (!has_ground_) return {kNan, kNan};
-    const Eigen::Vector3d ray = world_from_camera_.R * view_.camera.ray({p.x, p.y});
-    if (!(ray.z() < 0)) return {kNan, kNan};
-    const double z = below_m_ / -ray.z();
-    if (z > kSurfaceGuide.max_depth_m) return {kNan, kNan};
-    const Eigen::Vector2d at = z * ray.head<2>();
+    const auto found = meet_plane(world_from_camera_.R * view_.camera.ray({p.x, p.y}));
+    if (!found) return {kNan, kNan};
+    const Eigen::Vector2d& at = *found;
     return {static_cast<float>(at.dot(along_)), static_cast<float>(along_.x() * at.y() - along_.y() * at.x())};
   }
 
  private:
   /// Whether a ray meets the plane of the ground in the lane: nothing upright is there, because the camera drove along it.
   bool is_in_lane(const Eigen::Vector3d& ray) const {
-    const double z = below_m_ / -ray.z();
-    if (!(ray.z() < 0 && z < kSurfaceGuide.max_depth_m)) return false;
-    const auto at = ground_.road().locate((world_from_camera_.t + z * ray).head<2>());
+    const auto found = meet_plane(ray);
+    if (!found) return false;
+    const auto at = ground_.road().locate(world_from_camera_.t.head<2>() + *found);
     return at && std::abs(at->y()) < kSurfaceGuide.lane_half_width_m;
+  }
+
+  /// Returns the horizontal displacement from the camera to the point in which a ray meets the plane of the ground.
+  std::optional<Eigen::Vector2d> meet_plane(const Eigen::Vector3d& ray) const {
+    if (!(ray.z() < 0)) return std::nullopt;
+    const double z = below_m_ / -ray.z();
+    if (z > kSurfaceGuide.max_depth_m) return std::nullopt;
+    return z * ray.head<2>();
   }
 
   const harmonize::FilledFrame& frame_;

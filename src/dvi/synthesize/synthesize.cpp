@@ -134,7 +134,7 @@ void limit_to_original(const Region& region, harmonize::FilledFrame& frame) {
 }  // namespace
 
 SynthesizedFrame synthesize(const harmonize::FilledFrame& frame, const Views& views, std::size_t index,
-                            const cv::Mat1b& classes, const ground::RoadGround& ground, const CompletedViews& keys) {
+                            const cv::Mat1b& classes, const ground::RoadGround& ground, const CompletedViews& completed_views) {
   SynthesizedFrame out{frame, cv::Mat1b(frame.kind.size(), uchar{0}), {}};
   const cv::Mat1b unobserved(frame.kind >= static_cast<uchar>(Kind::interpolated));
   const cv::Mat1b wanted((frame.kind == static_cast<uchar>(Kind::interpolated)) | find_fragments(frame.kind));
@@ -146,9 +146,9 @@ SynthesizedFrame synthesize(const harmonize::FilledFrame& frame, const Views& vi
   made.kind.setTo(static_cast<uchar>(Kind::synthesized), wanted);
   made.provenance.setTo(0, wanted);
   made.used.setTo(0, wanted);
-  const cv::Mat1b shown = show_completed_views(keys, views, views[index], wanted, made.color);
+  const cv::Mat1b shown = show_completed_views(completed_views, views, views[index], wanted, made.color);
   out.completed = wanted & ~shown;
-  // Patches are too large for gaps between key frames.
+  // Patches are too large for gaps between completed views.
   const cv::Mat1b wide(grown(grown(out.completed, -kThinRadiusPx), kThinRadiusPx + 1) & out.completed);
   interpolate(made.color, cv::Mat1b(out.completed & ~wide), wide);
   const cv::Mat1b usable(~unobserved & ~wanted);

@@ -122,8 +122,8 @@ TEST(Synthesize, CompletedViewsAreNotCompletedAgain) {
   const Views all = memory_views(street.views, street.images, street.masks);
   const ground::RoadGround ground(street.map, all);
   const SynthesizedFrame first = synthesize(frame, all, 8, {}, ground, {});
-  const CompletedViews keys{make_completed_view(first.frame, first.completed, first.guide, all, 8, ground)};
-  const SynthesizedFrame again = synthesize(frame, all, 8, {}, ground, keys);
+  const CompletedViews completed{make_completed_view(first.frame, first.completed, first.guide, all, 8, ground)};
+  const SynthesizedFrame again = synthesize(frame, all, 8, {}, ground, completed);
   EXPECT_GT(cv::countNonZero(first.completed), 500);
   EXPECT_LT(cv::countNonZero(again.completed), 0.02 * cv::countNonZero(first.completed));
   EXPECT_LT(mean_error_in(again.frame.color, first.frame.color, frame.mask), 5);
