@@ -38,33 +38,25 @@ constexpr int kThinRadiusPx = 2;
 /// Margin around the synthesized pixels in which surfaces are known.
 constexpr int kGuideMarginPx = 4;
 
-/// Parameters of the fine contrast of the surroundings, which confidence depends on.
+/// Parameters of the fine contrast, which confidence depends on.
 struct FineContrastParams {
-  double fine_sigma_px = 2;    ///< Details smaller than this are fine.
-  double mean_sigma_px = 20;   ///< Size of the surroundings.
-  float prior_weight = 1e-3F;  ///< Weight of the prior contrast, relative to a known pixel.
-  float prior_levels = 8;      ///< Contrast where no known pixel is near.
+  double fine_sigma_px = 2;  ///< Details smaller than this are fine.
+  double mean_sigma_px = 6;  ///< Size of the surroundings of a pixel.
 };
 constexpr FineContrastParams kFineContrast;
 
-/// Measures the fine contrast of known and copied pixels near each pixel, in gray levels.
-cv::Mat1f measure_fine_contrast(const harmonize::FilledFrame& frame) {
+/// Measures the fine contrast around each pixel, in gray levels.
+cv::Mat1f measure_fine_contrast(const cv::Mat3f& color) {
   cv::Mat1f gray, smooth;
-  cv::transform(frame.color, gray, cv::Matx13f::all(1.0F / 3));
+  cv::transform(color, gray, cv::Matx13f::all(1.0F / 3));
   cv::GaussianBlur(gray, smooth, {}, kFineContrast.fine_sigma_px);
-  const cv::Mat1b known(frame.kind < static_cast<uchar>(Kind::interpolated));
-  cv::Mat1f fine(cv::abs(gray - smooth)), weight(gray.size(), 0.0F);
-  fine.setTo(0, ~known);
-  weight.setTo(1, known);
-  constexpr double kSigma = kFineContrast.mean_sigma_px;
-  return cv::Mat1f((blurred(fine, kSigma) + kFineContrast.prior_weight * kFineContrast.prior_levels) /
-                   (blurred(weight, kSigma) + kFineContrast.prior_weight));
+  return blurred(cv::Mat1f(cv::abs(gray - smooth)), kFineContrast.mean_sigma_px);
 }
 
 /// Returns the probability that a synthesized pixel is within 10 gray levels of the truth, by its distance in pixels to the
-/// nearest known or copied pixel, and by the contrast there (docs/algorithms/confidence.md).
+/// nearest known or copied pixel, and by the contrast around it (docs/algorithms/confidence.md).
 double confidence_of_synthesis(float distance_px, float contrast) {
-  return 1 / (1 + std::exp(-3.83 - 2.83 * std::exp(-distance_px / 9) + 2.87 * std::log1p(contrast)));
+  return 1 / (1 + std::exp(-1.13 - 1.84 * std::exp(-distance_px / 9) + 1.57 * std::log1p(contrast)));
 }
 
 /// Writes the probability of each pixel of a region that it is within 10 gray levels of the truth.
@@ -72,7 +64,7 @@ void write_confidence(const Region& region, harmonize::FilledFrame& out) {
   cv::Mat1f distance;
   cv::distanceTransform(cv::Mat1b(out.kind >= static_cast<uchar>(Kind::interpolated)), distance, cv::DIST_L2,
                         cv::DIST_MASK_PRECISE);
-  const cv::Mat1f contrast = measure_fine_contrast(out);
+  const cv::Mat1f contrast = measure_fine_contrast(out.color);
   for (const cv::Point p : region.pixels)
     out.confidence(p) = static_cast<uchar>(std::lround(255 * confidence_of_synthesis(distance(p), contrast(p))));
 }
