@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <set>
+#include <utility>
+#include <vector>
 
 #include "dvi/core/random.h"
 #include "dvi/depth/delaunay.h"
@@ -14,35 +16,90 @@
 namespace dvi::depth {
 namespace {
 
-TEST(Triangulate, TrianglesCoverTheHullOnceAndHaveEmptyCircumcircles) {
-  Random random(1);
-  std::vector<map::VisiblePoint> points;
-  std::set<std::pair<int, int>> used;
-  for (int i = 0; i < 200; ++i) {
-    const int u = random.below(100), v = random.below(100);
-    if (used.emplace(u, v).second)
-      points.push_back({static_cast<float>(u), static_cast<float>(v), 1, Eigen::Vector3f::Zero(), 0});
-  }
-  for (const auto& [u, v] : {std::pair(0, 0), {100, 0}, {0, 100}, {100, 100}})
-    if (used.emplace(u, v).second)
-      points.push_back({static_cast<float>(u), static_cast<float>(v), 1, Eigen::Vector3f::Zero(), 0});
-  double area = 0;
-  int inside = 0;
+map::VisiblePoint point_at(double u, double v) {
+  return {static_cast<float>(u), static_cast<float>(v), 1, Eigen::Vector3f::Zero(), 0};
+}
+
+struct TriangulationCheck {
+  double area_px = 0;  ///< sum of the signed areas
+  int triangles = 0;
+  int reversed = 0;  ///< triangles with another direction of rotation, or without area
+  int inside = 0;    ///< pairs of a triangle and a point inside its circumcircle
+};
+
+TriangulationCheck check_triangulation(const std::vector<map::VisiblePoint>& points) {
+  TriangulationCheck out;
   triangulate(points, [&](const std::array<std::size_t, 3>& t) {
     const Eigen::Vector2d a(points[t[0]].u, points[t[0]].v), b(points[t[1]].u, points[t[1]].v),
         c(points[t[2]].u, points[t[2]].v);
     const Eigen::Vector2d ab = b - a, ac = c - a;
     const double d = 2 * (ab.x() * ac.y() - ab.y() * ac.x());
-    area += std::abs(d) / 4;
-    if (std::abs(d) < 1e-9) return;
+    out.area_px += d / 4;
+    ++out.triangles;
+    if (d < 1e-9) {
+      ++out.reversed;
+      return;
+    }
     const Eigen::Vector2d center = a + Eigen::Vector2d(ac.y() * ab.squaredNorm() - ab.y() * ac.squaredNorm(),
                                                        ab.x() * ac.squaredNorm() - ac.x() * ab.squaredNorm()) /
                                            d;
     for (const map::VisiblePoint& p : points)
-      if ((Eigen::Vector2d(p.u, p.v) - center).norm() < (a - center).norm() - 1e-6) ++inside;
+      if ((Eigen::Vector2d(p.u, p.v) - center).norm() < (a - center).norm() - 1e-6) ++out.inside;
   });
-  EXPECT_NEAR(area, 100 * 100, 1e-6);
-  EXPECT_EQ(inside, 0);
+  return out;
+}
+
+TEST(Triangulate, TrianglesCoverTheHullOnceAndHaveEmptyCircumcircles) {
+  for (const double step : {1.0, 0.0625}) {
+    Random random(1);
+    std::vector<map::VisiblePoint> points{point_at(0, 0), point_at(100, 0), point_at(0, 100), point_at(100, 100)};
+    for (int i = 0; i < 400; ++i)
+      points.push_back(point_at(step * random.below(cvRound(100 / step)), step * random.below(cvRound(100 / step))));
+    const TriangulationCheck found = check_triangulation(points);
+    EXPECT_NEAR(found.area_px, 100 * 100, 1e-6);
+    EXPECT_EQ(found.reversed, 0);
+    EXPECT_EQ(found.inside, 0);
+  }
+}
+
+TEST(Triangulate, PointsOfAGridAreCocircularAndStillCoveredOnce) {
+  std::vector<map::VisiblePoint> points;
+  for (int v = 0; v < 20; ++v)
+    for (int u = 0; u < 30; ++u) points.push_back(point_at(u, v));
+  std::reverse(points.begin(), points.end());
+  const TriangulationCheck found = check_triangulation(points);
+  EXPECT_NEAR(found.area_px, 29 * 19, 1e-9);
+  EXPECT_EQ(found.triangles, 2 * 29 * 19);
+  EXPECT_EQ(found.reversed + found.inside, 0);
+}
+
+TEST(Triangulate, ManyPointsOnALineAndOneBesideIt) {
+  for (const auto& [u, v] : {std::pair(50.0, 70.0), {50.0, 5.0}, {-3.0, 20.0}, {200.0, 20.0}})
+    for (const bool upright : {false, true}) {
+      std::vector<map::VisiblePoint> points;
+      for (int i = 0; i < 100; ++i) points.push_back(upright ? point_at(20, i) : point_at(i, 20));
+      points.push_back(upright ? point_at(v, u) : point_at(u, v));
+      const TriangulationCheck found = check_triangulation(points);
+      EXPECT_EQ(found.triangles, v == 20.0 ? 0 : 99);
+      EXPECT_EQ(found.reversed + found.inside, 0);
+    }
+}
+
+TEST(Triangulate, FewOrEqualPointsHaveNoTriangles) {
+  EXPECT_EQ(check_triangulation({}).triangles, 0);
+  EXPECT_EQ(check_triangulation({point_at(1, 2)}).triangles, 0);
+  EXPECT_EQ(check_triangulation({point_at(1, 2), point_at(3, 4)}).triangles, 0);
+  EXPECT_EQ(check_triangulation({point_at(1, 2), point_at(1, 2), point_at(1.01, 2), point_at(1, 2)}).triangles, 0);
+  EXPECT_EQ(check_triangulation({point_at(1, 2), point_at(1, 2), point_at(5, 2), point_at(1, 9)}).triangles, 1);
+}
+
+TEST(Triangulate, IsExactOverTheWidthOfALargeImage) {
+  Random random(2);
+  std::vector<map::VisiblePoint> points{point_at(0, 0), point_at(16000, 0), point_at(0, 12000), point_at(16000, 12000)};
+  for (int i = 0; i < 60; ++i) points.push_back(point_at(random.below(16000), random.below(12000)));
+  const TriangulationCheck found = check_triangulation(points);
+  EXPECT_NEAR(found.area_px, 16000.0 * 12000, 1e-3);
+  EXPECT_EQ(found.reversed + found.inside, 0);
 }
 
 TEST(DepthMap, IsExactOnASlantedPlane) {
