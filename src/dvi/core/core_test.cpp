@@ -145,6 +145,60 @@ TEST(Threads, FinishABlockBeforeTheNextOne) {
   EXPECT_TRUE(std::all_of(calls.begin(), calls.end(), [](const auto& c) { return c == 1; }));
 }
 
+TEST(Threads, PassItemsThroughAPipelineInOrderWhereAsked) {
+  for (const int limit : {1, 2, 5}) {
+    const ThreadLimit threads(limit);
+    constexpr std::size_t kCount = 200;
+    std::vector<std::atomic<int>> done(kCount);
+    std::vector<std::size_t> order;
+    std::atomic<int> begun = 0, finished = 0, most = 0;
+    run_pipeline(kCount, {{PipelineStep::Order::any,
+                           [&](std::size_t i) {
+                             most = std::max<int>(most, ++begun - finished);
+                             ++done[i];
+                           }},
+                          {PipelineStep::Order::ascending, [&](std::size_t i) { order.push_back(i); }},
+                          {PipelineStep::Order::any, [&](std::size_t i) {
+                             ++done[i];
+                             ++finished;
+                           }}});
+    EXPECT_TRUE(std::all_of(done.begin(), done.end(), [](const auto& count) { return count == 2; }));
+    ASSERT_EQ(order.size(), kCount);
+    EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
+    EXPECT_LE(most, 2 * limit + 1);
+  }
+  run_pipeline(0, {{PipelineStep::Order::any, [](std::size_t) { FAIL(); }}});
+}
+
+TEST(Threads, MakeInParallelAndUseInOrder) {
+  const ThreadLimit three(3);
+  std::vector<std::size_t> used;
+  make_and_use(
+      50, [](std::size_t i) { return std::make_unique<std::size_t>(i * i); },
+      [&](std::size_t i, std::unique_ptr<std::size_t> square) {
+        EXPECT_EQ(*square, i * i);
+        used.push_back(i);
+      });
+  EXPECT_EQ(used.size(), 50U);
+  EXPECT_TRUE(std::is_sorted(used.begin(), used.end()));
+  const auto fail_at = [](std::size_t i) {
+    if (i == 7) throw InputError("scan 7", "is broken");
+    return i;
+  };
+  EXPECT_THROW(make_and_use(50, fail_at, [](std::size_t i, std::size_t) { EXPECT_LT(i, 7U); }), InputError);
+}
+
+TEST(Threads, CountTheTimeOfHelpersForTheTask) {
+  const ThreadLimit three(3);
+  const auto spend = [](double seconds) {
+    for (const double begun = thread_cpu_seconds(); thread_cpu_seconds() < begun + seconds;) {
+    }
+  };
+  const double begun = task_cpu_seconds();
+  parallel_for(12, [&](std::size_t) { parallel_for(2, [&](std::size_t) { spend(0.005); }); });
+  EXPECT_GE(task_cpu_seconds() - begun, 0.119);
+}
+
 TEST(Threads, AreLimitedDuringTheLifeOfTheLimit) {
   const int before = thread_count();
   {

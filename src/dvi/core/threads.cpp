@@ -1,17 +1,57 @@
 #include "dvi/core/threads.h"
 
 #include <algorithm>
+#include <atomic>
 #include <thread>
 
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
 #ifdef __SANITIZE_THREAD__
 #include <sanitizer/tsan_interface.h>
 #endif
 
+#include "dvi/core/progress.h"
+
 namespace dvi {
+namespace {
+
+/// CPU seconds of other threads for tasks of this thread, less those of this thread for tasks of others.
+thread_local double from_helpers = 0;
+
+/// States to the thread sanitizer what TBB guarantees, because Debian's TBB is not instrumented: what happened before a sender
+/// is destroyed is known after receive().
+class Handover {
+ public:
+#ifdef __SANITIZE_THREAD__
+  Handover() { __tsan_release(address()); }
+  void send() const { __tsan_release(address()); }
+  void receive() const { __tsan_acquire(address()); }
+
+ private:
+  void* address() const { return const_cast<char*>(&place_); }
+  char place_ = 0;
+
+ public:
+#else
+  void send() const {}
+  void receive() const {}
+#endif
+  class Sender {
+   public:
+    explicit Sender(const Handover& to) : to_(to) {}
+    ~Sender() { to_.send(); }
+    Sender(const Sender&) = delete;
+    Sender& operator=(const Sender&) = delete;
+
+   private:
+    const Handover& to_;
+  };
+};
+
+}  // namespace
 
 struct ThreadLimit::Impl {
   explicit Impl(std::size_t count) : control(tbb::global_control::max_allowed_parallelism, count) {}
@@ -25,28 +65,50 @@ ThreadLimit::~ThreadLimit() = default;
 
 int thread_count() { return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)); }
 
-#ifdef __SANITIZE_THREAD__
-// Debian's TBB is not instrumented. The annotations state what TBB guarantees: each body begins after the code before the loop,
-// and ends before the code after it. Bodies of one loop remain unordered.
+double task_cpu_seconds() { return thread_cpu_seconds() + from_helpers; }
+
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
-  char before = 0, after = 0;
-  struct Ends {
-    char* after;
-    ~Ends() { __tsan_release(after); }
-  };
-  __tsan_release(&before);
+  const Handover before, after;
+  const std::thread::id caller = std::this_thread::get_id();
+  std::atomic<double> helped = 0;
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-    const Ends ends{&after};
-    __tsan_acquire(&before);
+    before.receive();
+    const Handover::Sender ends(after);
+    if (std::this_thread::get_id() == caller) return body(i);
+    const double begun = task_cpu_seconds();
     body(i);
+    const double spent = task_cpu_seconds() - begun;
+    from_helpers -= spent;
+    helped.fetch_add(spent);
   });
-  __tsan_acquire(&after);
+  from_helpers += helped;
+  after.receive();
 }
-#else
-void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
-  tbb::parallel_for(std::size_t{0}, count, body);
+
+void run_pipeline(std::size_t count, const std::vector<PipelineStep>& steps) {
+  const Handover all;
+  std::size_t next = 0;
+  tbb::filter<void, std::size_t> chain =
+      tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) -> std::size_t {
+        if (next < count) return next++;
+        control.stop();
+        return 0;
+      });
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    const bool any = steps[k].order == PipelineStep::Order::any;
+    chain = chain & tbb::make_filter<std::size_t, std::size_t>(
+                        any ? tbb::filter_mode::parallel : tbb::filter_mode::serial_in_order, [&, k](std::size_t i) {
+                          all.receive();
+                          const Handover::Sender ends(all);
+                          // A thread that waits inside must not begin another item: it would delay this one.
+                          tbb::this_task_arena::isolate([&] { steps[k].call(i); });
+                          return i;
+                        });
+  }
+  tbb::parallel_pipeline(2 * static_cast<std::size_t>(thread_count()),
+                         chain & tbb::make_filter<std::size_t, void>(tbb::filter_mode::parallel, [](std::size_t) {}));
+  all.receive();
 }
-#endif
 
 void for_blocks(std::size_t count, const std::function<void(std::size_t first, std::size_t last)>& body) {
   const auto block = static_cast<std::size_t>(thread_count());

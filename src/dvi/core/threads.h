@@ -3,6 +3,10 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 namespace dvi {
 
@@ -22,6 +26,10 @@ class ThreadLimit {
 /// Returns the maximum number of threads.
 int thread_count();
 
+/// Returns the CPU seconds of the calling thread and of the threads that worked for it in parallel_for(). It grows by what a
+/// task costs, however many threads share it.
+double task_cpu_seconds();
+
 /// Calls body(i) for i in [0, count), in any order, on all threads. Each call must write its own output only. The caller merges
 /// the outputs in index order, so that no result depends on scheduling.
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body);
@@ -33,5 +41,30 @@ void for_blocks(std::size_t count, const std::function<void(std::size_t first, s
 /// Does the same as parallel_for(), but processes [0, count) from front to back, so that data shared by neighbors stays in a
 /// bounded cache.
 void parallel_in_order(std::size_t count, const std::function<void(std::size_t)>& body);
+
+/// A step of a pipeline, called with the number of an item.
+struct PipelineStep {
+  enum class Order {
+    any,        ///< Called for several items at a time.
+    ascending,  ///< Called for one item at a time, in the order of their numbers.
+  };
+  Order order = Order::any;
+  std::function<void(std::size_t)> call;
+};
+
+/// Calls the steps one after another for each item of [0, count). Different steps of different items run at the same time, but
+/// the number of items that have begun and not finished is limited to about twice thread_count(), so that memory is.
+void run_pipeline(std::size_t count, const std::vector<PipelineStep>& steps);
+
+/// Calls make(i) for i in [0, count) on all threads, and use(i, result of make) in order, one at a time, while others are made.
+template <class Make, class Use>
+void make_and_use(std::size_t count, const Make& make, const Use& use) {
+  std::vector<std::optional<std::invoke_result_t<Make, std::size_t>>> made(count);
+  run_pipeline(count, {{PipelineStep::Order::any, [&](std::size_t i) { made[i].emplace(make(i)); }},
+                       {PipelineStep::Order::ascending, [&](std::size_t i) {
+                          use(i, std::move(*made[i]));
+                          made[i].reset();
+                        }}});
+}
 
 }  // namespace dvi

@@ -7,7 +7,7 @@
 #include <tuple>
 #include <utility>
 
-#include "dvi/core/progress.h"
+#include "dvi/core/threads.h"
 
 namespace dvi::result {
 
@@ -39,11 +39,11 @@ class CpuClock {
 
  private:
   struct Scope {
-    Scope(CpuClock& owner, const std::string& name) : clock(owner), stage(name), outer(inner), begun(thread_cpu_seconds()) {
+    Scope(CpuClock& owner, const std::string& name) : clock(owner), stage(name), outer(inner), begun(task_cpu_seconds()) {
       inner = 0;
     }
     ~Scope() {
-      const double spent = thread_cpu_seconds() - begun;
+      const double spent = task_cpu_seconds() - begun;
       {
         const std::lock_guard lock(clock.mutex_);
         clock.seconds_[stage] += spent - inner;

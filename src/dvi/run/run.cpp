@@ -172,17 +172,15 @@ CompletedViews Run::complete_views() {
   const std::vector<std::size_t> selected = synthesize::select_views_to_complete(views_);
   progress_.begin("completion", selected.size());
   CompletedViews completed;
-  for_blocks(selected.size(), [&](std::size_t first, std::size_t last) {
-    std::vector<std::shared_ptr<const HarmonizedFrame>> harmonized(last - first);
-    parallel_for(last - first, [&](std::size_t i) { harmonized[i] = harmonized_[selected[first + i]]; });
-    for (std::size_t i = first; i < last; ++i) {
-      const SynthesizedFrame made = synthesize(selected[i], *harmonized[i - first], completed);
-      if (!made.guide.group.empty())
-        completed.push_back(
-            synthesize::make_completed_view(made.frame, made.completed, made.guide, views_, selected[i], *context_->ground));
-      progress_.advance();
-    }
-  });
+  make_and_use(
+      selected.size(), [&](std::size_t i) { return harmonized_[selected[i]]; },
+      [&](std::size_t i, const std::shared_ptr<const HarmonizedFrame>& harmonized) {
+        const SynthesizedFrame made = synthesize(selected[i], *harmonized, completed);
+        if (!made.guide.group.empty())
+          completed.push_back(
+              synthesize::make_completed_view(made.frame, made.completed, made.guide, views_, selected[i], *context_->ground));
+        progress_.advance();
+      });
   progress_.end();
   return completed;
 }

@@ -1,6 +1,6 @@
 #include "dvi/run/smoothed_frames.h"
 
-#include <map>
+#include <algorithm>
 #include <memory>
 #include <set>
 
@@ -9,59 +9,22 @@
 namespace dvi::run {
 namespace {
 
-/// Removes the items that are not needed from a window, and makes the missing ones in parallel.
-template <class Item, class Make>
-void move_window(std::map<std::size_t, std::shared_ptr<const Item>>& window, const std::set<std::size_t>& needed,
-                 const Make& make) {
-  std::erase_if(window, [&](const auto& item) { return !needed.contains(item.first); });
-  std::vector<std::size_t> missing;
-  for (const std::size_t i : needed)
-    if (!window.contains(i)) missing.push_back(i);
-  std::vector<std::shared_ptr<const Item>> made(missing.size());
-  parallel_for(missing.size(), [&](std::size_t i) { made[i] = std::make_shared<const Item>(make(missing[i])); });
-  for (std::size_t i = 0; i < missing.size(); ++i) window[missing[i]] = made[i];
-}
-
-/// The filled frames and pairs that a block of views needs.
-class FrameWindow {
- public:
-  FrameWindow(std::size_t count, const FrameSteps& steps) : count_(count), steps_(steps) {}
-
-  void move_to(const std::vector<std::size_t>& block) {
-    std::set<std::size_t> views(block.begin(), block.end()), pairs;
-    if (steps_.smoothing)
-      for (const std::size_t view : block)
-        for (const std::size_t earlier : {view - 1, view})
-          if (earlier < count_ && earlier + 1 < count_) {  // view - 1 of the first view wraps around and exceeds the count
-            pairs.insert(earlier);
-            views.insert({earlier, earlier + 1});
-          }
-    std::erase_if(pairs_, [&](const auto& pair) {
-      return !pairs.contains(pair.first);
-    });  // pairs refer to frames, so they are removed first
-    move_window(views_, views, steps_.fill);
-    move_window(pairs_, pairs, [&](std::size_t earlier) {
-      return steps_.smoothing->pair(views_.at(earlier)->frame, views_.at(earlier + 1)->frame);
-    });
-  }
-
-  result::FilledView smooth(std::size_t view) const {
-    result::FilledView out = *views_.at(view);
-    if (steps_.smoothing) out.frame = steps_.smoothing->smooth(pair(view - 1), views_.at(view)->frame, pair(view));
-    return out;
-  }
-
- private:
-  const smooth::FramePair* pair(std::size_t earlier) const {
-    const auto it = pairs_.find(earlier);
-    return it == pairs_.end() ? nullptr : it->second.get();
-  }
-
-  std::size_t count_;
-  const FrameSteps& steps_;
-  std::map<std::size_t, std::shared_ptr<const result::FilledView>> views_;
-  std::map<std::size_t, std::shared_ptr<const smooth::FramePair>> pairs_;  // by the earlier frame
+/// A frame in progress. The next item of the pipeline completes it.
+struct ItemInProgress {
+  std::shared_ptr<const result::FilledView> filled;
+  std::shared_ptr<const smooth::FramePair> before;  ///< with the frame before it
 };
+
+/// Lists the views to be filled: those to be written, and their neighbors.
+std::vector<std::size_t> list_needed(const std::vector<std::size_t>& views, std::size_t count, bool smooth) {
+  std::set<std::size_t> needed(views.begin(), views.end());
+  if (smooth)
+    for (const std::size_t view : views) {
+      if (view > 0) needed.insert(view - 1);
+      if (view + 1 < count) needed.insert(view + 1);
+    }
+  return {needed.begin(), needed.end()};
+}
 
 }  // namespace
 
@@ -79,13 +42,34 @@ std::optional<Smoothing> make_smoothing(const smooth::SmoothOptions& options, re
 }
 
 void for_each_smoothed(const std::vector<std::size_t>& views, std::size_t count, const FrameSteps& steps) {
-  FrameWindow window(count, steps);
-  for_blocks(views.size(), [&](std::size_t first, std::size_t last) {
-    const std::vector<std::size_t> block(views.begin() + static_cast<std::ptrdiff_t>(first),
-                                         views.begin() + static_cast<std::ptrdiff_t>(last));
-    window.move_to(block);
-    parallel_for(block.size(), [&](std::size_t i) { steps.write(block[i], window.smooth(block[i])); });
-  });
+  using enum PipelineStep::Order;
+  const std::vector<std::size_t> needed = list_needed(views, count, steps.smoothing.has_value());
+  std::vector<ItemInProgress> items(needed.size() + 2);  // item i + 1 belongs to needed[i]
+  const auto is_next = [&](std::size_t i) { return i > 0 && i < needed.size() && needed[i] == needed[i - 1] + 1; };
+  const auto fill = [&](std::size_t i) {
+    if (i < needed.size()) items[i + 1].filled = std::make_shared<const result::FilledView>(steps.fill(needed[i]));
+  };
+  // The steps in ascending order only wait until the frame before, and then its pair, are made.
+  const auto wait = [](std::size_t) {};
+  const auto pair = [&](std::size_t i) {
+    if (steps.smoothing && is_next(i))
+      items[i + 1].before =
+          std::make_shared<const smooth::FramePair>(steps.smoothing->pair(items[i].filled->frame, items[i + 1].filled->frame));
+  };
+  const auto write = [&](std::size_t i) {  // the frame before item i
+    if (i == 0) return;
+    const ItemInProgress &item = items[i], &after = items[i + 1];
+    if (!std::binary_search(views.begin(), views.end(), needed[i - 1])) return;
+    result::FilledView finished = *item.filled;
+    if (steps.smoothing) finished.frame = steps.smoothing->smooth(item.before.get(), item.filled->frame, after.before.get());
+    steps.write(needed[i - 1], finished);
+  };
+  // The pair of the next frame refers to frame i - 1, but no longer to the one before.
+  const auto release = [&](std::size_t i) {
+    if (i > 0) items[i - 1] = {};
+  };
+  run_pipeline(needed.empty() ? 0 : needed.size() + 1,
+               {{any, fill}, {ascending, wait}, {any, pair}, {ascending, wait}, {any, write}, {ascending, release}});
 }
 
 }  // namespace dvi::run

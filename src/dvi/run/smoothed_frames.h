@@ -30,9 +30,9 @@ struct FrameSteps {
 /// Makes the smoothing, which adds its CPU time to the clock; none if it is switched off.
 std::optional<Smoothing> make_smoothing(const smooth::SmoothOptions& options, result::CpuClock& cpu);
 
-/// Fills the given views of [0, count), ascending, and the neighbors that smoothing needs, in blocks of parallel work. Then
-/// smooths each view between its neighbors, and writes it. A view is filled once, and a pair made once, while they stay in the
-/// window of a block.
+/// Fills the given views of [0, count), ascending, and the neighbors that smoothing needs, in a pipeline: each view is smoothed
+/// between its neighbors and written as soon as they are filled, while later views are filled. A view is filled once, and a
+/// pair made once.
 void for_each_smoothed(const std::vector<std::size_t>& views, std::size_t count, const FrameSteps& steps);
 
 }  // namespace dvi::run

@@ -8,6 +8,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/core/threads.h"
 #include "dvi/drive/view.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/image/blur.h"
@@ -107,6 +108,19 @@ void interpolate(cv::Mat3f& color, const cv::Mat1b& inner, const cv::Mat1b& othe
   for (std::size_t i = 0; i < x.size(); ++i) color(system.region.pixels[i]) = x[i];
 }
 
+/// Completes the parts in parallel. At coarse levels, patches of a part may have pixels of another part as before its
+/// completion.
+void complete_parts(const std::vector<UnknownPart>& parts, const cv::Mat1b& usable, const SurfaceGuide& guide, std::size_t seed,
+                    cv::Mat3f& color) {
+  std::vector<cv::Mat3f> completed;
+  for (const UnknownPart& part : parts) completed.push_back(color(part.box).clone());
+  parallel_for(parts.size(), [&](std::size_t i) {
+    const UnknownPart& part = parts[i];
+    complete_from_exemplars(completed[i], part.unknown, usable(part.box), guide.of(part.box), seed);
+  });
+  for (std::size_t i = 0; i < parts.size(); ++i) completed[i].copyTo(color(parts[i].box), parts[i].unknown);
+}
+
 /// Limits colors to those of the original pixels of the frame, because gains are wrong in black and in white frames.
 void limit_to_original(const Region& region, harmonize::FilledFrame& frame) {
   const cv::Mat1b original(frame.kind == static_cast<uchar>(Kind::original));
@@ -148,10 +162,7 @@ SynthesizedFrame synthesize(const harmonize::FilledFrame& frame, const Views& vi
   cv::Mat1b where = grown(wanted, kGuideMarginPx);
   for (const UnknownPart& part : parts) where(part.box).setTo(255);
   out.guide = guide_by_surfaces(made, views[index], classes, ground, where);
-  for (const UnknownPart& part : parts) {
-    cv::Mat3f color = made.color(part.box);
-    complete_from_exemplars(color, part.unknown, usable(part.box), out.guide.of(part.box), index);
-  }
+  complete_parts(parts, usable, out.guide, index, made.color);
   adapt_to_boundary(made.color, wanted, out.guide);
   limit_to_original(Region(wanted), made);
   write_confidence(Region(wanted), made);
