@@ -171,7 +171,7 @@ void bind_commands(py::module_& m) {
       table.assign({find_keyword(table, py::cast<std::string>(key)).name(), to_value(value)});
     const exports::ExportFormat& to = exports::find_export_format(format);
     return run_task(threads, progress, [&](Progress& p) {
-      return exports::to_json(exports::export_result(to, {out, dvi::commands::label_scans}, folder, chosen, p), to.name, folder);
+      return exports::to_json(exports::export_result({out, folder, dvi::commands::label_scans}, to, chosen, p), to.name, folder);
     });
   });
   m.def("import_fill", [](const std::string& out, const std::string& frames, int threads, const py::object& progress) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -30,7 +31,7 @@ using Poses = std::vector<SE3>;  // camera_from_world of the views of a sequence
 std::vector<std::vector<std::size_t>> find_anchors(const SequenceViews& sequence) {
   std::vector<std::vector<std::size_t>> out;
   for (std::size_t i = sequence.first; sequence.first > 0 && i < sequence.last; ++i)
-    out.push_back(find_nearest_views(sequence.views, i, {0, sequence.first}, kAnchors, kJoint.radian_m));
+    out.push_back(find_nearest_views(sequence.views, i, {0, sequence.first}, {kAnchors, kJoint.radian_m}));
   return out;
 }
 
@@ -93,9 +94,7 @@ class Chain {
 
  private:
   std::vector<SharedPoint> find_shared_points(std::size_t i, const Lazy<UnmaskedPoints>& sights) const;
-  std::vector<PairModel> fit_models_of(std::size_t i, const Poses& poses, std::size_t coarsest) const;
-  void add_models(std::size_t first, std::size_t last, const Poses& poses, std::size_t coarsest, std::vector<PairModel>& all,
-                  const Tick& tick) const;
+  std::vector<PairModel> fit_models_of(std::size_t i, const Poses& poses, std::size_t coarsest, const Tick& tick) const;
   std::vector<map::VisiblePoint> select_textured(const UnmaskedPoints& sight, const View& view, const cv::Mat1f& texture) const;
   const View& view(std::size_t i) const { return views_[members_[i]]; }
   PosedImage get_posed(std::size_t i, const Poses& poses) const { return {view(i).camera, poses[i], images_[i]}; }
@@ -158,24 +157,22 @@ std::vector<SharedPoint> Chain::find_shared_points(std::size_t i, const Lazy<Unm
   return out;
 }
 
-std::vector<PairModel> Chain::fit_models_of(std::size_t i, const Poses& poses, std::size_t coarsest) const {
+std::vector<PairModel> Chain::fit_models_of(std::size_t i, const Poses& poses, std::size_t coarsest, const Tick& tick) const {
   const double expected = 2 * std::hypot(to_radians(*options_.rotation_deg), to_radians(options_.mounting_deg));
   const Freedom freedom = get_expected_position_m(view(0).sensor) > 0 ? Freedom::pose : Freedom::rotation;
   const PosedImage moving = get_posed(i, poses);
   std::vector<PairModel> out;
   for (const Pair& pair : pairs_.get_pairs(i))
-    if (auto model = fit_pair(pair, moving, get_posed(pair.fixed, poses), coarsest, expected, freedom)) out.push_back(*model);
+    if (auto model = fit_pair({pair, moving, get_posed(pair.fixed, poses)}, coarsest, expected, freedom)) out.push_back(*model);
+  tick();
   return out;
 }
 
-// Appends the models of the views [first, last).
-void Chain::add_models(std::size_t first, std::size_t last, const Poses& poses, std::size_t coarsest,
-                       std::vector<PairModel>& all, const Tick& tick) const {
+/// Appends the models of the views [first, last), which `fit` makes.
+void add_models(std::size_t first, std::size_t last, const std::function<std::vector<PairModel>(std::size_t)>& fit,
+                std::vector<PairModel>& all) {
   std::vector<std::vector<PairModel>> by_view(last - first);
-  parallel_for(by_view.size(), [&](std::size_t i) {
-    by_view[i] = fit_models_of(first + i, poses, coarsest);
-    tick();
-  });
+  parallel_for(by_view.size(), [&](std::size_t i) { by_view[i] = fit(first + i); });
   for (const auto& some : by_view) all.insert(all.end(), some.begin(), some.end());
 }
 
@@ -184,20 +181,22 @@ std::vector<PairModel> Chain::find_pairs(const Tick& tick) {
   const Lazy<UnmaskedPoints> sights(
       members_.size(), [this](std::size_t i) { return UnmaskedPoints(*map_.points[members_[i]], *views_.masks[members_[i]]); });
   const Poses given = apply(Corrections(count_));
+  const auto fit = [&](std::size_t i) { return fit_models_of(i, given, coarsest_, tick); };
   std::vector<PairModel> all;
   for_blocks(count_, [&](std::size_t first, std::size_t last) {
     std::vector<std::vector<SharedPoint>> points(last - first);
     parallel_for(points.size(), [&](std::size_t i) { points[i] = find_shared_points(first + i, sights); });
     for (const std::vector<SharedPoint>& of_view : points) pairs_.add(of_view);
-    add_models(first, last, given, coarsest_, all, tick);
+    add_models(first, last, fit, all);
   });
   return all;
 }
 
 std::vector<PairModel> Chain::fit_models(const Corrections& now, std::size_t coarsest, const Tick& tick) const {
   const Poses poses = apply(now);
+  const auto fit = [&](std::size_t i) { return fit_models_of(i, poses, coarsest, tick); };
   std::vector<PairModel> all;
-  for_blocks(count_, [&](std::size_t first, std::size_t last) { add_models(first, last, poses, coarsest, all, tick); });
+  for_blocks(count_, [&](std::size_t first, std::size_t last) { add_models(first, last, fit, all); });
   return all;
 }
 
@@ -222,7 +221,8 @@ std::vector<Chain::Check> Chain::check(const std::vector<PairModel>& models, con
       for (const Pair& pair : pairs) {
         const PairModel* const model = find_model(pair, models);
         if (model == nullptr) continue;
-        const HeldOutCost a = evaluate_held_out(pair, get_posed(i, candidate), get_posed(pair.fixed, candidate), model->scale);
+        const HeldOutCost a =
+            evaluate_held_out({pair, get_posed(i, candidate), get_posed(pair.fixed, candidate)}, model->scale);
         cost += a.cost * a.points;
         points += a.points;
         offsets.insert(offsets.end(), a.offsets_px.begin(), a.offsets_px.end());

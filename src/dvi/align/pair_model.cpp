@@ -47,9 +47,16 @@ struct CommonPoint {
   double value = 0;
 };
 
-std::vector<CommonPoint> find_common_points(const Pair& pair, const PosedImage& moving, const PosedImage& fixed,
-                                            std::size_t level, PointSet set) {
+/// The common points of a pair on one level of the images.
+struct CommonPoints {
+  const PosedImage* moving;
+  std::size_t level;
   std::vector<CommonPoint> points;
+};
+
+CommonPoints find_common_points(const PosedPair& posed, std::size_t level, PointSet set) {
+  const auto& [pair, moving, fixed] = posed;
+  CommonPoints out{&moving, level, {}};
   for (std::size_t i = 0; i < pair.visible.size(); ++i) {
     if (get_set(i) != set) continue;
     const SurfacePoint& surfel = (*pair.points)[pair.visible[i]];
@@ -60,9 +67,9 @@ std::vector<CommonPoint> find_common_points(const Pair& pair, const PosedImage& 
     if (!fixed.camera.contains(pixel)) continue;
     const Eigen::Vector3d q = moving.camera_from_world * world;
     if (!moving.camera.in_front(q) || !moving.camera.contains(moving.camera.project(q))) continue;
-    points.push_back({&surfel, q, sample((*fixed.image)[level], get_size(fixed), pixel).value});
+    out.points.push_back({&surfel, q, sample((*fixed.image)[level], get_size(fixed), pixel).value});
   }
-  return points;
+  return out;
 }
 
 double estimate_scale(const std::vector<double>& residuals) {
@@ -78,8 +85,9 @@ struct Residuals {
   std::vector<Eigen::RowVector3d> J;
 };
 
-Residuals compute_residuals(const std::vector<CommonPoint>& points, const PosedImage& moving, std::size_t level,
-                            const Eigen::Matrix3d& R) {
+Residuals compute_residuals(const CommonPoints& common, const Eigen::Matrix3d& R) {
+  const auto& [moving_image, level, points] = common;
+  const PosedImage& moving = *moving_image;
   Residuals out;
   out.r.reserve(points.size());
   out.J.reserve(points.size());
@@ -108,12 +116,11 @@ double sum_costs(const std::vector<double>& residuals, double scale) {
 }
 
 /// Runs Gauss-Newton on one level, starting from rotation w.
-Eigen::Vector3d refine(const std::vector<CommonPoint>& points, const PosedImage& moving, std::size_t level, double expected,
-                       Eigen::Vector3d w) {
+Eigen::Vector3d refine(const CommonPoints& points, double expected, Eigen::Vector3d w) {
   double scale = 0, best = 0;
   Eigen::Vector3d step = Eigen::Vector3d::Zero();
   for (int i = 0; i < kMaxIterations; ++i) {
-    const Residuals now = compute_residuals(points, moving, level, so3_exp(w + step));
+    const Residuals now = compute_residuals(points, so3_exp(w + step));
     if (i == 0) scale = estimate_scale(now.r);
     const double total =
         0.5 * (w + step).squaredNorm() / (expected * expected) + 0.5 * kCauchy * kCauchy * sum_costs(now.r, scale);
@@ -128,7 +135,7 @@ Eigen::Vector3d refine(const std::vector<CommonPoint>& points, const PosedImage&
     best = total;
     w += step;
     step = -H.ldlt().solve(g);
-    if (step.norm() * moving.camera.fx < kConvergedPx) return w + step;
+    if (step.norm() * points.moving->camera.fx < kConvergedPx) return w + step;
   }
   return w;
 }
@@ -144,10 +151,11 @@ Eigen::Matrix3d differentiate_along_surface(const SurfacePoint& surfel, const Po
 
 /// Makes the model with the moving view rotated by w; a view has N corrections.
 template <int N>
-PairModel make_model(const Eigen::Vector3d& w, const Pair& pair, const std::vector<CommonPoint>& points,
-                     const PosedImage& moving, const PosedImage& fixed) {
+PairModel make_model(const Eigen::Vector3d& w, const PosedPair& posed, const CommonPoints& common) {
+  const auto& [pair, moving, fixed] = posed;
+  const std::vector<CommonPoint>& points = common.points;
   const Eigen::Matrix3d R = so3_exp(w);
-  const Residuals last = compute_residuals(points, moving, 0, R);
+  const Residuals last = compute_residuals(common, R);
   const Eigen::Matrix3d moving_from_fixed = R * moving.camera_from_world.R * fixed.camera_from_world.R.transpose();
   Eigen::Matrix<double, 2 * N, 2 * N> H = Eigen::Matrix<double, 2 * N, 2 * N>::Zero();
   Eigen::Matrix<double, 2 * N, 1> g = Eigen::Matrix<double, 2 * N, 1>::Zero();
@@ -172,22 +180,21 @@ PairModel make_model(const Eigen::Vector3d& w, const Pair& pair, const std::vect
 
 }  // namespace
 
-std::optional<PairModel> fit_pair(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, std::size_t coarsest,
-                                  double expected, Freedom freedom) {
+std::optional<PairModel> fit_pair(const PosedPair& pair, std::size_t coarsest, double expected, Freedom freedom) {
   Eigen::Vector3d w = Eigen::Vector3d::Zero();
-  std::vector<CommonPoint> points;
+  CommonPoints common;
   for (std::size_t level = coarsest + 1; level-- > 0;) {
-    points = find_common_points(pair, moving, fixed, level, PointSet::fitted);
-    if (points.size() < kMinPairPoints) return std::nullopt;
-    w = refine(points, moving, level, expected, w);
+    common = find_common_points(pair, level, PointSet::fitted);
+    if (common.points.size() < kMinPairPoints) return std::nullopt;
+    w = refine(common, expected, w);
   }
-  return freedom == Freedom::pose ? make_model<6>(w, pair, points, moving, fixed)
-                                  : make_model<3>(w, pair, points, moving, fixed);
+  return freedom == Freedom::pose ? make_model<6>(w, pair, common) : make_model<3>(w, pair, common);
 }
 
-HeldOutCost evaluate_held_out(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, double scale) {
+HeldOutCost evaluate_held_out(const PosedPair& pair, double scale) {
+  const PosedImage& moving = pair.moving;
   HeldOutCost out;
-  const std::vector<CommonPoint> points = find_common_points(pair, moving, fixed, 0, PointSet::held_out);
+  const std::vector<CommonPoint> points = find_common_points(pair, 0, PointSet::held_out).points;
   for (const CommonPoint& point : points) {
     const ValueAndSlope spot = sample((*moving.image)[0], get_size(moving), moving.camera.project(point.in_moving));
     const double r = spot.value - point.value;

@@ -30,6 +30,13 @@ struct PosedImage {
   std::shared_ptr<const BandPass> image;
 };
 
+/// A pair with the images and current poses of its views. It holds references only, and is constructed for one call.
+struct PosedPair {
+  const Pair& pair;
+  const PosedImage& moving;
+  const PosedImage& fixed;
+};
+
 /// The corrections of a view: rotation (radians, camera axes), or rotation and position (meters, camera axes).
 enum class Freedom { rotation = 3, pose = 6 };
 
@@ -45,8 +52,8 @@ struct PairModel {
 /// Finds the best rotation of the moving view by Gauss-Newton from coarse to fine (levels `coarsest` to 0, Cauchy weights,
 /// scale from the median residual) and returns the model there. `expected` is the standard deviation of the rotation in
 /// radians. Returns nothing if too few points are in both images.
-std::optional<PairModel> fit_pair(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, std::size_t coarsest,
-                                  double expected, Freedom freedom = Freedom::rotation);
+std::optional<PairModel> fit_pair(const PosedPair& pair, std::size_t coarsest, double expected,
+                                  Freedom freedom = Freedom::rotation);
 
 /// The agreement of the held-out points of a pair.
 struct HeldOutCost {
@@ -54,7 +61,7 @@ struct HeldOutCost {
   int points = 0;
   std::vector<double> offsets_px;  ///< residual over slope, per point
 };
-HeldOutCost evaluate_held_out(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, double scale);
+HeldOutCost evaluate_held_out(const PosedPair& pair, double scale);
 
 inline constexpr std::size_t kMinPairPoints = 40;
 

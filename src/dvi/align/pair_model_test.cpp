@@ -60,7 +60,7 @@ TEST_F(PairOfViews, ModelsAShiftOfEitherView) {
   const PosedImage there = rotate(posed[1], missing);
   const Eigen::Vector3d shift(0.03, -0.02, 0);  // 1 px
   const auto at_most = [&](const PosedImage& moving, const PosedImage& fixed, int at, const Eigen::Vector3d& expected) {
-    const auto model = fit_pair(pair, moving, fixed, 1, kExpectedRad, Freedom::pose);
+    const auto model = fit_pair({pair, moving, fixed}, 1, kExpectedRad, Freedom::pose);
     ASSERT_TRUE(model);
     ASSERT_EQ(model->g.size(), 12);
     const Eigen::Vector2d found = -model->H.block<2, 2>(at, at).ldlt().solve(model->g.segment<2>(at));
@@ -75,7 +75,7 @@ TEST_F(PairOfViews, ModelsAShiftOfEitherView) {
 
 TEST_F(PairOfViews, FindsTheMissingRotation) {
   ASSERT_GT(missing.norm(), 1e-3);
-  const auto model = fit_pair(pair, posed[1], posed[0], 1, kExpectedRad);
+  const auto model = fit_pair({pair, posed[1], posed[0]}, 1, kExpectedRad);
   ASSERT_TRUE(model);
   EXPECT_EQ(model->moving, 1);
   EXPECT_EQ(model->fixed, 0);
@@ -85,13 +85,13 @@ TEST_F(PairOfViews, FindsTheMissingRotation) {
 }
 
 TEST_F(PairOfViews, DoesNotChangeTheTruth) {
-  const auto model = fit_pair(pair, rotate(posed[1], missing), posed[0], 1, kExpectedRad);
+  const auto model = fit_pair({pair, rotate(posed[1], missing), posed[0]}, 1, kExpectedRad);
   ASSERT_TRUE(model);
   EXPECT_LT(find_best(*model).norm() * posed[1].camera.fx, 0.05);  // px
 }
 
 TEST_F(PairOfViews, TheModelIsSymmetricAndPositiveSemidefinite) {
-  const auto model = fit_pair(pair, posed[1], posed[0], 1, kExpectedRad);
+  const auto model = fit_pair({pair, posed[1], posed[0]}, 1, kExpectedRad);
   ASSERT_TRUE(model);
   EXPECT_LT((model->H - model->H.transpose()).norm(), 1e-9 * model->H.norm());
   const Vector6d eigenvalues = model->H.selfadjointView<Eigen::Lower>().eigenvalues();
@@ -100,24 +100,24 @@ TEST_F(PairOfViews, TheModelIsSymmetricAndPositiveSemidefinite) {
 }
 
 TEST_F(PairOfViews, HeldOutPointsDoNotInfluenceTheFit) {
-  const auto model = fit_pair(pair, posed[1], posed[0], 1, kExpectedRad);
+  const auto model = fit_pair({pair, posed[1], posed[0]}, 1, kExpectedRad);
   for (std::size_t i = 3; i < points.size(); i += 4) points[i].position.x() += 1;
   compare_at(points);
-  const auto other = fit_pair(pair, posed[1], posed[0], 1, kExpectedRad);
+  const auto other = fit_pair({pair, posed[1], posed[0]}, 1, kExpectedRad);
   ASSERT_TRUE(model && other);
   EXPECT_EQ(find_best(*model), find_best(*other));
 }
 
 TEST_F(PairOfViews, HeldOutPointsAgreeBetterAtTheTruth) {
-  const auto model = fit_pair(pair, posed[1], posed[0], 1, kExpectedRad);
+  const auto model = fit_pair({pair, posed[1], posed[0]}, 1, kExpectedRad);
   ASSERT_TRUE(model);
   const auto median_px = [](std::vector<double> offsets) {
     std::sort(offsets.begin(), offsets.end());
     return offsets[offsets.size() / 2];
   };
-  const HeldOutCost given = evaluate_held_out(pair, posed[1], posed[0], model->scale);
-  const HeldOutCost truth = evaluate_held_out(pair, rotate(posed[1], missing), posed[0], model->scale);
-  const HeldOutCost beyond = evaluate_held_out(pair, rotate(posed[1], 3 * missing), posed[0], model->scale);
+  const HeldOutCost given = evaluate_held_out({pair, posed[1], posed[0]}, model->scale);
+  const HeldOutCost truth = evaluate_held_out({pair, rotate(posed[1], missing), posed[0]}, model->scale);
+  const HeldOutCost beyond = evaluate_held_out({pair, rotate(posed[1], 3 * missing), posed[0]}, model->scale);
   EXPECT_GT(truth.points, 100);
   EXPECT_EQ(truth.offsets_px.size(), static_cast<std::size_t>(truth.points));
   EXPECT_LT(truth.cost, 0.5 * given.cost);
@@ -128,8 +128,8 @@ TEST_F(PairOfViews, HeldOutPointsAgreeBetterAtTheTruth) {
 
 TEST_F(PairOfViews, HasNoModelForTooFewPoints) {
   pair.visible.resize(kMinPairPoints);  // a quarter of them is held out
-  EXPECT_FALSE(fit_pair(pair, posed[1], posed[0], 1, kExpectedRad));
-  EXPECT_EQ(evaluate_held_out({1, 0, {}, {}}, posed[1], posed[0], 1).points, 0);
+  EXPECT_FALSE(fit_pair({pair, posed[1], posed[0]}, 1, kExpectedRad));
+  EXPECT_EQ(evaluate_held_out({{1, 0, {}, {}}, posed[1], posed[0]}, 1).points, 0);
 }
 
 }  // namespace

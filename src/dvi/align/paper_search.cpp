@@ -38,14 +38,21 @@ std::vector<map::VisiblePoint> select_ring_points(const UnmaskedPoints& sight, c
   return thinned;
 }
 
-void add_samples(const std::vector<map::VisiblePoint>& ring, const View& view, const View& neighbor,
-                 const UnmaskedPoints& sight, const cv::Mat3b& image, std::vector<Sample>& samples) {
+/// A neighboring frame whose colors the search compares.
+struct Neighbor {
+  const View& view;
+  const cv::Mat3b& image;
+  const UnmaskedPoints& sight;
+};
+
+void add_samples(const std::vector<map::VisiblePoint>& ring, const View& view, const Neighbor& neighbor,
+                 std::vector<Sample>& samples) {
   for (const map::VisiblePoint& point : ring) {
-    const Eigen::Vector3d world = point.world.cast<double>(), p = neighbor.camera_from_world * world;
-    if (!neighbor.camera.in_front(p)) continue;
-    const Eigen::Vector2d pixel = neighbor.camera.project(p);
-    if (neighbor.camera.contains(pixel) && sight.is_visible(pixel, p.z()))
-      samples.push_back({view.camera_from_world * world, sample_color(image, pixel)});
+    const Eigen::Vector3d world = point.world.cast<double>(), p = neighbor.view.camera_from_world * world;
+    if (!neighbor.view.camera.in_front(p)) continue;
+    const Eigen::Vector2d pixel = neighbor.view.camera.project(p);
+    if (neighbor.view.camera.contains(pixel) && neighbor.sight.is_visible(pixel, p.z()))
+      samples.push_back({view.camera_from_world * world, sample_color(neighbor.image, pixel)});
   }
 }
 
@@ -92,9 +99,11 @@ void search_as_published(const SequenceViews& sequence, const AlignOptions& opti
     const View& view = views[first + i];
     const std::vector<map::VisiblePoint> ring = select_ring_points(*sights[i], *views.masks[first + i], options);
     std::vector<Sample> samples;
-    if (i > 0) add_samples(ring, view, views[first + i - 1], *sights[i - 1], *views.images[first + i - 1], samples);
-    if (first + i + 1 < last)
-      add_samples(ring, view, views[first + i + 1], *sights[i + 1], *views.images[first + i + 1], samples);
+    const auto add_neighbor = [&](std::size_t k) {
+      add_samples(ring, view, {views[first + k], *views.images[first + k], *sights[k]}, samples);
+    };
+    if (i > 0) add_neighbor(i - 1);
+    if (first + i + 1 < last) add_neighbor(i + 1);
     const Eigen::Vector2d angle = search_angle(samples, view.camera, *views.images[first + i]);
     ViewAlignment& found = out.views[first + i];
     found.rotation = {angle.x(), angle.y(), 0};

@@ -57,15 +57,14 @@ struct FrameBefore {
 
 class FrameAuditor {
  public:
-  FrameAuditor(const fs::path& out, const Views& views, std::size_t target, const std::string& name,
-               const ImportedFrames& imported)
+  FrameAuditor(const AuditedResult& result, const Views& views, std::size_t target)
       : views_(views),
         target_(target),
-        name_(name),
-        written_(out, name, {views[target].camera.width, views[target].camera.height}),
+        name_(result.names[target]),
+        written_(result.out, name_, {views[target].camera.width, views[target].camera.height}),
         image_(views.images[target]),
         mask_(views.masks[target]) {
-    if (imported.names.contains(name)) before_.emplace(imported.before, name, mask_->size());
+    if (result.imported.names.contains(name_)) before_.emplace(result.imported.before, name_, mask_->size());
   }
 
   FrameAudit check() {
@@ -183,9 +182,9 @@ double compute_percentile(const Changes& changes, std::size_t count, double shar
   return count > 0 ? static_cast<double>(i) / 3 : 0;
 }
 
-void require_known_frames(const fs::path& out, const std::vector<std::string>& names) {
-  const std::set<std::string> known(names.begin(), names.end());
-  for (const fs::path& file : list_files(out / "frames", {".png"}))
+void require_known_frames(const AuditedResult& result) {
+  const std::set<std::string> known(result.names.begin(), result.names.end());
+  for (const fs::path& file : list_files(result.out / "frames", {".png"}))
     if (!known.contains(file.stem().string()))
       throw InputError(file, "is not a frame of the drive", "audit a result with the drives from which it was made");
 }
@@ -196,14 +195,13 @@ bool Audit::passed() const {
   return std::all_of(findings.begin(), findings.end(), [](const Finding& f) { return f.pixels == 0; });
 }
 
-Audit audit_result(const fs::path& out, const Views& views, const std::vector<std::string>& names,
-                   const ImportedFrames& imported, const Tick& tick) {
-  require_known_frames(out, names);
+Audit audit_result(const AuditedResult& result, const Views& views, const Tick& tick) {
+  require_known_frames(result);
   FrameAudit sum;
-  for_blocks(names.size(), [&](std::size_t first, std::size_t last) {
+  for_blocks(result.names.size(), [&](std::size_t first, std::size_t last) {
     std::vector<FrameAudit> block(last - first);
     parallel_in_order(block.size(), [&](std::size_t i) {
-      block[i] = FrameAuditor(out, views, first + i, names[first + i], imported).check();
+      block[i] = FrameAuditor(result, views, first + i).check();
       tick();
     });
     for (const FrameAudit& frame : block) add(frame, sum);

@@ -48,12 +48,16 @@ struct ImportedFrames {
   fs::path before;
 };
 
+/// A result to be audited.
+struct AuditedResult {
+  fs::path out;
+  std::vector<std::string> names;  ///< of the target's frames (the views of drive 0)
+  ImportedFrames imported;
+};
+
 /// Checks every pixel of a result against the drives. `views` have the numbers of the sources in OUT/sources.json, with the
-/// images and masks of the drives; `names` are those of the target's frames (the views of drive 0). Throws InputError if an
-/// image is missing, truncated, or differs in size, or if the result has frames that the drive does not have. Calls `tick` once
-/// per frame.
-Audit audit_result(
-    const fs::path& out, const Views& views, const std::vector<std::string>& names, const ImportedFrames& imported,
-    const Tick& tick = [] {});
+/// images and masks of the drives. Throws InputError if an image is missing, truncated, or differs in size, or if the result
+/// has frames that the drive does not have. Calls `tick` once per frame.
+Audit audit_result(const AuditedResult& result, const Views& views, const Tick& tick = [] {});
 
 }  // namespace dvi::audit

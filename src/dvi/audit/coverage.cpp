@@ -55,18 +55,16 @@ Views subsample(const Views& views, int step) {
   return out;
 }
 
-Coverage predict_coverage(const Views& views, const map::StaticMap& map, const depth::DepthOptions& depth,
-                          const sample::SampleOptions& sample_options, int step, const Tick& tick) {
-  const Views coarse = subsample(views, step);
-  depth::DepthOptions coarse_depth = depth;
-  coarse_depth.median_px = depth.median_px >= 3 ? std::max(3, depth.median_px / step) : 0;
-  sample::SampleOptions single_source = sample_options;
-  single_source.sources = 1;
-  const depth::Depths depths(coarse, [&](std::size_t i) { return depth::compute_depth_map(map, coarse[i], coarse_depth); });
+Coverage predict_coverage(const Views& views, const map::StaticMap& map, CoverageOptions options, const Tick& tick) {
+  const Views coarse = subsample(views, options.step);
+  int& median_px = options.depth.median_px;
+  median_px = median_px >= 3 ? std::max(3, median_px / options.step) : 0;
+  options.sample.sources = 1;
+  const depth::Depths depths(coarse, [&](std::size_t i) { return depth::compute_depth_map(map, coarse[i], options.depth); });
   const std::size_t frames = coarse.of_sequence(0).second;
   std::vector<HoleCount> counts(frames);
   parallel_in_order(frames, [&](std::size_t i) {
-    counts[i] = count_pixels(sample::sample({coarse, i, *depths.maps[i], depths.visibility}, single_source), coarse);
+    counts[i] = count_pixels(sample::sample({coarse, i, *depths.maps[i], depths.visibility}, options.sample), coarse);
     tick();
   });
   Coverage out;

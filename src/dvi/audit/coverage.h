@@ -31,11 +31,16 @@ struct Coverage {
   HoleShares total;                   ///< over the pixels of all holes
 };
 
+/// The options of a prediction: those of its two stages, and every how many rows and columns are used.
+struct CoverageOptions {
+  depth::DepthOptions depth = {};
+  sample::SampleOptions sample = {};
+  int step = 2;
+};
+
 /// Predicts the coverage by running depth and sample on every `step`th row and column of the views, without colors and without
 /// full depth maps. Calls `tick` once per frame of the target drive.
-Coverage predict_coverage(
-    const Views& views, const map::StaticMap& map, const depth::DepthOptions& depth, const sample::SampleOptions& sample,
-    int step = 2, const Tick& tick = [] {});
+Coverage predict_coverage(const Views& views, const map::StaticMap& map, CoverageOptions options, const Tick& tick = [] {});
 
 /// Returns the views with every `step`th row and column, without images.
 Views subsample(const Views& views, int step);

@@ -24,7 +24,7 @@ class Wall {
     masks_.emplace_back(kHeight, kWidth, uchar{0});
     masks_.back()(hole) = 255;
   }
-  Coverage predict(int step) const { return predict_coverage(memory_views(views_, images_, masks_), map(), {}, {}, step); }
+  Coverage predict(int step) const { return predict_coverage(memory_views(views_, images_, masks_), map(), {.step = step}); }
 
  private:
   static map::StaticMap map() {

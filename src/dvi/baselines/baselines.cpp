@@ -105,7 +105,7 @@ harmonize::FilledFrame inpaint_frame(const Views& views, std::size_t target, Inp
 
 Lazy<HoleFlow> make_hole_flows(const Views& views, const FlowOptions& options) {
   return {views.size() - 1, [views, options](std::size_t i) {
-            return compute_hole_flow(*views.images[i], *views.masks[i], *views.images[i + 1], *views.masks[i + 1],
+            return compute_hole_flow({*views.images[i], *views.masks[i]}, {*views.images[i + 1], *views.masks[i + 1]},
                                      options.consistency_px);
           }};
 }

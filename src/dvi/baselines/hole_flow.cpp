@@ -108,15 +108,14 @@ std::optional<cv::Point2f> HoleFlow::interpolate(const cv::Mat2f& flow, cv::Poin
   return cv::Point2f(motion);
 }
 
-HoleFlow compute_hole_flow(const cv::Mat3b& first, const cv::Mat1b& first_mask, const cv::Mat3b& second,
-                           const cv::Mat1b& second_mask, double consistency_px) {
+HoleFlow compute_hole_flow(const HoleImage& first, const HoleImage& second, double consistency_px) {
   cv::Mat1b either;
-  cv::bitwise_or(first_mask, second_mask, either);
+  cv::bitwise_or(first.mask, second.mask, either);
   const cv::Mat1b invalid = subsample<uchar>(grown(either, kHoleFlow.margin_px));
   if (static_cast<std::size_t>(cv::countNonZero(invalid)) == invalid.total() ||
-      std::min(first.cols, first.rows) < kMinFlowSidePx)
+      std::min(first.colors.cols, first.colors.rows) < kMinFlowSidePx)
     return make_unknown(invalid.size());
-  const cv::Mat1b from = gray_8bit(first), to = gray_8bit(second);
+  const cv::Mat1b from = gray_8bit(first.colors), to = gray_8bit(second.colors);
   HoleFlow flow{subsample(compute_optical_flow(from, to)), subsample(compute_optical_flow(to, from))};
   extrapolate(invalid, flow);
   HoleFlow out{flow.forward.clone(), flow.backward.clone()};

@@ -28,8 +28,13 @@ struct HoleFlowParams {
 };
 inline constexpr HoleFlowParams kHoleFlow;
 
+/// An image and the mask of its hole. It holds references only, and is constructed for one call.
+struct HoleImage {
+  const cv::Mat3b& colors;
+  const cv::Mat1b& mask;
+};
+
 /// Computes the flow. `consistency_px` is the largest error of the forward-backward check.
-HoleFlow compute_hole_flow(const cv::Mat3b& first, const cv::Mat1b& first_mask, const cv::Mat3b& second,
-                           const cv::Mat1b& second_mask, double consistency_px);
+HoleFlow compute_hole_flow(const HoleImage& first, const HoleImage& second, double consistency_px);
 
 }  // namespace dvi::baselines

@@ -46,7 +46,7 @@ void add_export(Program& program) {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
     const exports::ExportReport report =
-        exports::export_result(format, {a->out, commands::label_scans}, a->folder, a->options, progress);
+        exports::export_result({a->out, a->folder, commands::label_scans}, format, a->options, progress);
     fmt::print("{}\n", a->common.json ? exports::to_json(report, format.name, a->folder) : exports::brief(report, a->folder));
   });
 }

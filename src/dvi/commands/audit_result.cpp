@@ -198,7 +198,7 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
   views.masks = collect_run_masks(views, names, relate_masks(given), out);
 
   progress.begin("audit", names.size());
-  AuditReport report{audit::audit_result(out, views, names, find_imported_frames(out, names), progress.tick()), {}, {}};
+  AuditReport report{audit::audit_result({out, names, find_imported_frames(out, names)}, views, progress.tick()), {}, {}};
   progress.end();
   report.json = json_text(json_of(report.audit, out));
   report.text = text_of(report.audit, out);

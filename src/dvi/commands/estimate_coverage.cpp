@@ -54,7 +54,7 @@ CoverageReport estimate_coverage(const inputs::Inputs& inputs, const job::Job& j
   const int step = target.camera.width < kMinCoarseWidthPx ? 1 : 2;
   progress.begin("forecast", views.of_sequence(0).second);
   const audit::Coverage found =
-      audit::predict_coverage(views, map, job.options.depth, job.options.sample, step, progress.tick());
+      audit::predict_coverage(views, map, {job.options.depth, job.options.sample, step}, progress.tick());
   progress.end();
   CoverageReport report{found.total, {}};
   std::vector<int> numbers;

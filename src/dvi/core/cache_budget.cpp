@@ -64,9 +64,9 @@ std::size_t CacheBudget::used() const {
   return used_;
 }
 
-CacheBudget::Value CacheBudget::find(const void* cache, std::size_t index) {
+CacheBudget::Value CacheBudget::find(const Key& key) {
   const std::lock_guard lock(mutex_);
-  const auto it = by_key_.find({cache, index});
+  const auto it = by_key_.find(key);
   if (it == by_key_.end()) return nullptr;
   auto item = items_.extract(it->second);
   item.key() = dropped_rank_ + item.mapped().cost_per_byte;
@@ -74,13 +74,13 @@ CacheBudget::Value CacheBudget::find(const void* cache, std::size_t index) {
   return it->second->second.value;
 }
 
-void CacheBudget::keep(const void* cache, std::size_t index, Value value, std::size_t size, double cost) {
+void CacheBudget::keep(const Key& key, Value value, std::size_t size, double cost) {
   const double cost_per_byte = cost / static_cast<double>(std::max<std::size_t>(size, 1));
   Items dropped;
   {
     const std::lock_guard lock(mutex_);
-    newest_ = {cache, index};
-    by_key_[newest_] = items_.emplace(dropped_rank_ + cost_per_byte, Item{newest_, std::move(value), size, cost_per_byte});
+    newest_ = key;
+    by_key_[key] = items_.emplace(dropped_rank_ + cost_per_byte, Item{key, std::move(value), size, cost_per_byte});
     used_ += size;
     drop_beyond_bound(dropped);
   }

@@ -40,6 +40,8 @@ std::size_t bytes_of(const T& item) {
 class CacheBudget {
  public:
   using Value = std::shared_ptr<const void>;
+  /// A cache, and the index of one of its items.
+  using Key = std::pair<const void*, std::size_t>;
 
   explicit CacheBudget(std::size_t bound) : bound_(bound) {}
 
@@ -51,14 +53,13 @@ class CacheBudget {
   std::size_t used() const;
 
   /// Returns the item if it is cached, and marks it as used.
-  Value find(const void* cache, std::size_t index);
+  Value find(const Key& key);
   /// Caches a new item. The newest item is never dropped, whatever its size. `cost` is that of making the item, in any unit.
-  void keep(const void* cache, std::size_t index, Value value, std::size_t size, double cost);
+  void keep(const Key& key, Value value, std::size_t size, double cost);
   /// Drops all items of a cache with `count` items.
   void forget(const void* cache, std::size_t count);
 
  private:
-  using Key = std::pair<const void*, std::size_t>;
   struct KeyHash {
     std::size_t operator()(const Key& key) const {
       return std::hash<const void*>()(key.first) ^ (key.second * std::size_t{0x9E3779B97F4A7C15});

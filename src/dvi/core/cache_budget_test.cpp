@@ -39,64 +39,64 @@ TEST(CacheBudget, MeasuresTheSizesOfItems) {
 TEST(CacheBudget, DropsTheLeastRecentlyUsedOfAllCaches) {
   CacheBudget budget(100);
   const int a = 0, b = 0;
-  budget.keep(&a, 0, number(1), 40, 40);
-  budget.keep(&b, 0, number(2), 40, 40);
-  EXPECT_NE(budget.find(&a, 0), nullptr);
-  budget.keep(&b, 1, number(3), 20, 20);
+  budget.keep({&a, 0}, number(1), 40, 40);
+  budget.keep({&b, 0}, number(2), 40, 40);
+  EXPECT_NE(budget.find({&a, 0}), nullptr);
+  budget.keep({&b, 1}, number(3), 20, 20);
   EXPECT_EQ(budget.used(), 100U);
-  budget.keep(&a, 1, number(4), 1, 1);
-  EXPECT_EQ(budget.find(&b, 0), nullptr);
-  EXPECT_EQ(*std::static_pointer_cast<const int>(budget.find(&a, 0)), 1);
+  budget.keep({&a, 1}, number(4), 1, 1);
+  EXPECT_EQ(budget.find({&b, 0}), nullptr);
+  EXPECT_EQ(*std::static_pointer_cast<const int>(budget.find({&a, 0})), 1);
   EXPECT_EQ(budget.used(), 61U);
 }
 
 TEST(CacheBudget, DropsItemsWithTheLowestCostPerByteFirst) {
   CacheBudget budget(100);
   const int a = 0, b = 0;
-  budget.keep(&a, 0, number(1), 40, 80);
-  for (std::size_t i = 0; i < 4; ++i) budget.keep(&b, i, number(0), 40, 10);
-  EXPECT_NE(budget.find(&a, 0), nullptr);
-  EXPECT_NE(budget.find(&b, 3), nullptr);
-  EXPECT_EQ(budget.find(&b, 2), nullptr);
+  budget.keep({&a, 0}, number(1), 40, 80);
+  for (std::size_t i = 0; i < 4; ++i) budget.keep({&b, i}, number(0), 40, 10);
+  EXPECT_NE(budget.find({&a, 0}), nullptr);
+  EXPECT_NE(budget.find({&b, 3}), nullptr);
+  EXPECT_EQ(budget.find({&b, 2}), nullptr);
 }
 
 TEST(CacheBudget, DropsUnusedItemsEventually) {
   CacheBudget budget(100);
   const int a = 0, b = 0;
-  budget.keep(&a, 0, number(1), 40, 80);
-  for (std::size_t i = 0; i < 20; ++i) budget.keep(&b, i, number(0), 40, 10);
-  EXPECT_EQ(budget.find(&a, 0), nullptr);
+  budget.keep({&a, 0}, number(1), 40, 80);
+  for (std::size_t i = 0; i < 20; ++i) budget.keep({&b, i}, number(0), 40, 10);
+  EXPECT_EQ(budget.find({&a, 0}), nullptr);
 }
 
 TEST(CacheBudget, KeepsTheNewestItemOfAnySize) {
   CacheBudget budget(10);
   const int a = 0;
-  budget.keep(&a, 0, number(1), 5, 50);
-  budget.keep(&a, 1, number(2), 50, 1);
-  EXPECT_EQ(budget.find(&a, 0), nullptr);
-  EXPECT_NE(budget.find(&a, 1), nullptr);
+  budget.keep({&a, 0}, number(1), 5, 50);
+  budget.keep({&a, 1}, number(2), 50, 1);
+  EXPECT_EQ(budget.find({&a, 0}), nullptr);
+  EXPECT_NE(budget.find({&a, 1}), nullptr);
 }
 
 TEST(CacheBudget, ForgetsTheItemsOfACache) {
   CacheBudget budget(100);
   const int a = 0, b = 0;
   for (std::size_t i = 0; i < 3; ++i) {
-    budget.keep(&a, i, number(0), 10, 1);
-    budget.keep(&b, i, number(0), 10, 1);
+    budget.keep({&a, i}, number(0), 10, 1);
+    budget.keep({&b, i}, number(0), 10, 1);
   }
   budget.forget(&a, 3);
   EXPECT_EQ(budget.used(), 30U);
-  EXPECT_EQ(budget.find(&a, 1), nullptr);
-  EXPECT_NE(budget.find(&b, 1), nullptr);
+  EXPECT_EQ(budget.find({&a, 1}), nullptr);
+  EXPECT_NE(budget.find({&b, 1}), nullptr);
 }
 
 TEST(CacheBudget, DropsItemsIfTheBoundDecreases) {
   CacheBudget budget(100);
   const int a = 0;
-  for (std::size_t i = 0; i < 10; ++i) budget.keep(&a, i, number(0), 10, 1);
+  for (std::size_t i = 0; i < 10; ++i) budget.keep({&a, i}, number(0), 10, 1);
   budget.set_bound(25);
   EXPECT_EQ(budget.used(), 20U);
-  EXPECT_NE(budget.find(&a, 9), nullptr);
+  EXPECT_NE(budget.find({&a, 9}), nullptr);
 }
 
 TEST(CacheBudget, IsSharedByAllSequencesOfTheProcess) {
@@ -137,8 +137,8 @@ TEST(CacheBudget, StaysWithinTheBoundWithManyThreads) {
   parallel_for(2000, [&](std::size_t n) {
     Random random(n);
     const std::size_t cache = random.below(4), i = 100 * n + random.below(100);
-    budget->keep(&caches[cache], i, number(static_cast<int>(i)), 1 + random.below(90), random.uniform());
-    if (const auto value = budget->find(&caches[cache], i))
+    budget->keep({&caches[cache], i}, number(static_cast<int>(i)), 1 + random.below(90), random.uniform());
+    if (const auto value = budget->find({&caches[cache], i}))
       wrong += *std::static_pointer_cast<const int>(value) == static_cast<int>(i) ? 0 : 1;
   });
   EXPECT_EQ(wrong, 0);

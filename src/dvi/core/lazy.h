@@ -51,7 +51,7 @@ class Lazy {
     if (s.find) return s.find(i);
     std::unique_lock lock(s.mutex);
     s.changed.wait(lock, [&] { return !s.in_work.contains(i); });
-    if (CacheBudget::Value kept = s.budget->find(&s, i)) return std::static_pointer_cast<const T>(std::move(kept));
+    if (CacheBudget::Value kept = s.budget->find({&s, i})) return std::static_pointer_cast<const T>(std::move(kept));
     s.in_work.insert(i);
     lock.unlock();
     std::shared_ptr<const T> value;
@@ -65,7 +65,7 @@ class Lazy {
       s.changed.notify_all();
       throw;
     }
-    s.budget->keep(&s, i, value, s.size_of(*value), s.alike ? 1 : seconds_since(start));
+    s.budget->keep({&s, i}, value, s.size_of(*value), s.alike ? 1 : seconds_since(start));
     lock.lock();
     s.in_work.erase(i);
     s.changed.notify_all();

@@ -217,17 +217,16 @@ Option& OptionTable::add(std::string key, std::string& field, std::vector<std::s
     if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end()) refuse_name(choices);
     field = text;
   };
-  return add_text(std::move(key), std::move(choices), [&field] { return field; }, std::move(set), std::move(doc));
+  return add_text(std::move(key), std::move(choices), {[&field] { return field; }, std::move(set)}, std::move(doc));
 }
 
-Option& OptionTable::add_text(std::string key, std::vector<std::string> choices, std::function<std::string()> get,
-                              std::function<void(const std::string&)> set, std::string doc) {
+Option& OptionTable::add_text(std::string key, std::vector<std::string> choices, TextAccess field, std::string doc) {
   if (!choices.empty()) doc += fmt::format(" [{}]", fmt::join(choices, " | "));
   return add({.key = std::move(key),
               .doc = std::move(doc),
               .choices = std::move(choices),
-              .get = std::move(get),
-              .set = [set = std::move(set)](const OptionValue& v) { set(require<std::string>(v, "must be a string")); }});
+              .get = std::move(field.get),
+              .set = [set = std::move(field.set)](const OptionValue& v) { set(require<std::string>(v, "must be a string")); }});
 }
 
 Option& OptionTable::add_list(std::string key, std::function<std::vector<std::string>()> get,

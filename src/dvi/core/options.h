@@ -90,15 +90,15 @@ class OptionTable {
   Option& add(std::string key, std::vector<std::string>& field, std::string doc);
   template <Named E>
   Option& add(std::string key, E& field, const std::string& doc) {
-    return add_text(
-        std::move(key), list_names<E>(), [&field] { return to_string(field); },
-        [&field](const std::string& text) { field = parse_name<E>(text); }, doc);
+    return add_text(std::move(key), list_names<E>(),
+                    {[&field] { return to_string(field); }, [&field](const std::string& text) { field = parse_name<E>(text); }},
+                    doc);
   }
   template <Textual T>
   Option& add(std::string key, T& field, const std::string& doc) {
-    return add_text(
-        std::move(key), {}, [&field] { return to_string(field); },
-        [&field](const std::string& text) { field = T::parse(text); }, doc);
+    return add_text(std::move(key), {},
+                    {[&field] { return to_string(field); }, [&field](const std::string& text) { field = T::parse(text); }},
+                    doc);
   }
 
   /// Adds a list of values, which TOML may also state as one string.
@@ -141,8 +141,11 @@ class OptionTable {
 
  private:
   Option& add(Option option);
-  Option& add_text(std::string key, std::vector<std::string> choices, std::function<std::string()> get,
-                   std::function<void(const std::string&)> set, std::string doc);
+  struct TextAccess {
+    std::function<std::string()> get;
+    std::function<void(const std::string&)> set;
+  };
+  Option& add_text(std::string key, std::vector<std::string> choices, TextAccess field, std::string doc);
   Option& add_list(std::string key, std::function<std::vector<std::string>()> get,
                    std::function<void(const std::vector<std::string>&)> set, std::string doc);
 

@@ -22,8 +22,7 @@ bool is_usual(const media::PointTimes& times) {
 }  // namespace
 
 BagScans::BagScans(std::shared_ptr<const bags::BagMessages> messages, const bags::BagTopic& topic,
-                   const std::vector<bags::StampedEntry>& entries, const LidarConfig& config,
-                   std::vector<std::string>& warnings)
+                   const std::vector<bags::StampedEntry>& entries, const LidarConfig& config)
     : messages_(std::move(messages)),
       topic_(topic),
       period_ns_(bags::median_period_ns(entries)),
@@ -31,17 +30,17 @@ BagScans::BagScans(std::shared_ptr<const bags::BagMessages> messages, const bags
       offset_ns_(config.offset_ns),
       rotation_(config.rotation()),
       is_rotation_given_(config.turn.has_value()) {
-  infer_times(entries, warnings);
+  infer_times(entries);
   if (has_times() || is_rotation_given_) return;
   if (times_.text.empty()) {
-    warnings.push_back(
+    warnings_.push_back(
         fmt::format("the points of {} have no times: they are inferred from the azimuth, with a clockwise rotation and the "
                     "stamp in the middle; "
                     "set [lidar] rotation and stamp in dvi.toml if this is wrong",
                     topic_.name));
   } else {
     rotation_.turn = Turn::none;
-    warnings.push_back(fmt::format(
+    warnings_.push_back(fmt::format(
         "the times of the points of {} ({}) {}: the scans are assumed to be compensated for motion; if they are not, set "
         "[lidar] rotation in dvi.toml",
         topic_.name, time_field_, times_.text));
@@ -57,7 +56,7 @@ bags::RosCloud BagScans::cloud(std::size_t number) const {
   return cloud;
 }
 
-void BagScans::infer_times(const std::vector<bags::StampedEntry>& entries, std::vector<std::string>& warnings) {
+void BagScans::infer_times(const std::vector<bags::StampedEntry>& entries) {
   bags::RosCloud first = cloud(entries.front().number);
   frame_ = first.header.frame, time_field_ = first.time_field;
   times_.use = media::PointTimes::Use::none;
@@ -71,7 +70,7 @@ void BagScans::infer_times(const std::vector<bags::StampedEntry>& entries, std::
                      "correct them, or record the scans without them");
   if (!has_times()) return;
   if (!is_usual(times_))
-    warnings.push_back(fmt::format("the times of the points of {} ({}) {}", topic_.name, time_field_, times_.text));
+    warnings_.push_back(fmt::format("the times of the points of {} ({}) {}", topic_.name, time_field_, times_.text));
   for (const bags::RosCloud* example : {&first, &middle}) {
     const std::vector<double> seconds = seconds_after_stamp(*example);
     const auto [least, most] = std::minmax_element(seconds.begin(), seconds.end());

@@ -17,11 +17,12 @@ namespace dvi::datasets {
 class BagScans {
  public:
   /// Infers the meaning of the points' times from the first scan and from one in the middle of the recording. `entries` are the
-  /// messages in order of time, at least one. Adds a warning if the times are not seconds or nanoseconds after the stamp or
-  /// since 1970, or if there are none. Throws InputError if their meaning cannot be determined.
+  /// messages in order of time, at least one. Warns if the times are not seconds or nanoseconds after the stamp or since
+  /// 1970, or if there are none. Throws InputError if their meaning cannot be determined.
   BagScans(std::shared_ptr<const bags::BagMessages> messages, const bags::BagTopic& topic,
-           const std::vector<bags::StampedEntry>& entries, const LidarConfig& config, std::vector<std::string>& warnings);
+           const std::vector<bags::StampedEntry>& entries, const LidarConfig& config);
 
+  const std::vector<std::string>& warnings() const { return warnings_; }
   /// Returns the tf frame of the scans.
   const std::string& frame() const { return frame_; }
   /// Returns the header of a message's scan. Its start and end are at least half a period apart.
@@ -32,7 +33,7 @@ class BagScans {
 
  private:
   bags::RosCloud cloud(std::size_t number) const;
-  void infer_times(const std::vector<bags::StampedEntry>& entries, std::vector<std::string>& warnings);
+  void infer_times(const std::vector<bags::StampedEntry>& entries);
   bool has_times() const { return times_.use == media::PointTimes::Use::times; }
   /// Returns whether points have the times of the message. This includes equal times of all points, unless the configuration
   /// states a rotation.
@@ -48,6 +49,7 @@ class BagScans {
   Rotation rotation_;
   bool is_rotation_given_;
   media::PointTimes times_;
+  std::vector<std::string> warnings_;
   double first_s_ = 0, last_s_ = 0;  ///< of the points of the first scan, after its stamp
 };
 

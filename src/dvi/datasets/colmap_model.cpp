@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <opencv2/core/types.hpp>
 
 #include "dvi/bags/bag_bytes.h"
 #include "dvi/core/error.h"
@@ -51,10 +52,10 @@ const Model& find_model_by_id(const fs::path& file, std::int32_t number) {
 
 std::size_t count_parameters(const Model& model) { return model.focals + 2 + model.distortions; }
 
-Camera to_camera(const fs::path& file, const Model& model, double width, double height, const std::vector<double>& p) {
-  if (!(width >= 1 && height >= 1 && width * height <= 1 << 28))
-    throw InputError(file, fmt::format("has a camera of {:g}x{:g} pixels", width, height));
-  Camera camera{.width = static_cast<int>(width), .height = static_cast<int>(height)};
+Camera to_camera(const fs::path& file, const Model& model, cv::Size2d size, const std::vector<double>& p) {
+  if (!(size.width >= 1 && size.height >= 1 && size.area() <= 1 << 28))
+    throw InputError(file, fmt::format("has a camera of {:g}x{:g} pixels", size.width, size.height));
+  Camera camera{.width = static_cast<int>(size.width), .height = static_cast<int>(size.height)};
   const std::size_t f = model.focals;
   camera.fx = p[0], camera.fy = p[f - 1], camera.cx = p[f] - kPixelCenterPx, camera.cy = p[f + 1] - kPixelCenterPx;
   for (std::size_t k = 0; k < model.distortions; ++k) {
@@ -85,7 +86,7 @@ void read_text_cameras(const fs::path& file, ColmapModel& out) {
       line.fail(fmt::format("has {} parameters instead of {}", line.size() - 4, count_parameters(model)));
     std::vector<double> values;
     for (std::size_t i = 4; i < line.size(); ++i) values.push_back(line.number(i));
-    const Camera camera = to_camera(file, model, line.number(2), line.number(3), values);
+    const Camera camera = to_camera(file, model, {line.number(2), line.number(3)}, values);
     if (line.integer(0) < 0 || !out.cameras.emplace(line.integer(0), camera).second)
       line.fail("has the number of another camera");
   }
@@ -142,7 +143,8 @@ void read_binary_cameras(const fs::path& file, ColmapModel& out) {
       const auto width = cursor.take<std::uint64_t>(), height = cursor.take<std::uint64_t>();
       std::vector<double> values(count_parameters(model));
       for (double& value : values) value = cursor.take<double>();
-      out.cameras.emplace(id, to_camera(file, model, static_cast<double>(width), static_cast<double>(height), values));
+      out.cameras.emplace(id,
+                          to_camera(file, model, cv::Size2d(static_cast<double>(width), static_cast<double>(height)), values));
     }
   });
 }

@@ -34,22 +34,6 @@ double find_median_delay_s(const bags::BagTopic& topic, const std::vector<bags::
   return median(std::move(out));
 }
 
-void compare_clocks(const fs::path& path, const bags::BagCamera& camera, const std::vector<bags::StampedEntry>& images,
-                    const bags::BagTopic& points, const std::vector<bags::StampedEntry>& scans,
-                    std::vector<std::string>& warnings) {
-  constexpr double kMaxDelayS = 0.5;  // drivers and networks cause smaller delays
-  const double ahead = find_median_delay_s(points, scans) - find_median_delay_s(*camera.images, images);
-  if (std::abs(ahead) > kMaxDelayS)
-    warnings.push_back(fmt::format(
-        "judging by the times of recording, the stamps of {} are {:.2f} s {} those of {} and may be of another clock: "
-        "set [camera.{}] offset_s = {:.2f} in dvi.toml",
-        camera.images->name, std::abs(ahead), ahead > 0 ? "ahead of" : "behind", points.name, camera.name, -ahead));
-  if (std::abs(ahead) <= kMaxDelayS &&
-      (images.front().time_ns > scans.back().time_ns || scans.front().time_ns > images.back().time_ns))
-    throw InputError(path,
-                     fmt::format("the stamps of {} are all before or after those of {}", camera.images->name, points.name));
-}
-
 bags::RosFrames read_frames_tree(const bags::BagMessages& messages, std::vector<std::string>& warnings) {
   bags::RosFrames frames;
   int invalid = 0;
@@ -72,31 +56,6 @@ bags::RosFrames read_frames_tree(const bags::BagMessages& messages, std::vector<
                     "finite; the first: {}",
                     invalid, first_invalid));
   return frames;
-}
-
-// Reads world_from_lidar from a topic of poses. Returns an empty trajectory and adds a warning if their frame cannot be related
-// to the LiDAR.
-Trajectory read_pose_topic(const bags::BagMessages& messages, const bags::BagTopic& topic, const bags::RosFrames& frames,
-                           const std::string& lidar, std::vector<std::string>& warnings) {
-  std::vector<StampedPose> poses;
-  std::optional<SE3> child_from_lidar;
-  for (std::size_t i = 0; i < topic.messages.size(); ++i) {
-    const bool odometry = topic.type == "nav_msgs/Odometry";
-    bags::RosMotion motion = messages.decode(topic, i, [&](std::string_view m, bags::BagEncoding e) {
-      return odometry ? bags::parse_odometry(m, e) : bags::parse_pose(m, e);
-    });
-    if (motion.child.empty()) motion.child = frames.find_transform("base_link", lidar) ? "base_link" : lidar;
-    if (!child_from_lidar) child_from_lidar = frames.find_transform(motion.child, lidar);
-    if (!child_from_lidar) {
-      warnings.push_back(
-          fmt::format("the poses of {} are not used: no tf connects their frame {} with {}, the frame of the scans", topic.name,
-                      motion.child, lidar));
-      return {};
-    }
-    const std::int64_t time = motion.header.stamp_ns != 0 ? motion.header.stamp_ns : topic.messages[i].time_ns;
-    poses.push_back({time, motion.parent_from_child * *child_from_lidar});
-  }
-  return Trajectory(std::move(poses));
 }
 
 // An antenna that no tf connects with the LiDAR is assumed to be at the LiDAR's position.
@@ -131,7 +90,7 @@ class BagReader {
     const std::vector<bags::StampedEntry> images = messages_->list_stamped(*camera_.images, drive_.warnings);
     const bags::BagTopic& measured = choice_.points ? *choice_.points : *choice_.depth.images;
     const std::vector<bags::StampedEntry> scans = messages_->list_stamped(measured, drive_.warnings);
-    compare_clocks(messages_->path(), camera_, images, measured, scans, drive_.warnings);
+    compare_clocks(images, measured, scans);
     drive_.warnings.insert(drive_.warnings.end(), messages_->bag().warnings.begin(), messages_->bag().warnings.end());
     warn_of_lost_messages(measured);
     add_frames(images);
@@ -150,6 +109,46 @@ class BagReader {
   }
 
  private:
+  void compare_clocks(const std::vector<bags::StampedEntry>& images, const bags::BagTopic& points,
+                      const std::vector<bags::StampedEntry>& scans) {
+    constexpr double kMaxDelayS = 0.5;  // drivers and networks cause smaller delays
+    const double ahead = find_median_delay_s(points, scans) - find_median_delay_s(*camera_.images, images);
+    if (std::abs(ahead) > kMaxDelayS)
+      drive_.warnings.push_back(fmt::format(
+          "judging by the times of recording, the stamps of {} are {:.2f} s {} those of {} and may be of another clock: "
+          "set [camera.{}] offset_s = {:.2f} in dvi.toml",
+          camera_.images->name, std::abs(ahead), ahead > 0 ? "ahead of" : "behind", points.name, camera_.name, -ahead));
+    if (std::abs(ahead) <= kMaxDelayS &&
+        (images.front().time_ns > scans.back().time_ns || scans.front().time_ns > images.back().time_ns))
+      throw InputError(messages_->path(),
+                       fmt::format("the stamps of {} are all before or after those of {}", camera_.images->name, points.name));
+  }
+
+  // Reads world_from_lidar from the topic of poses. Returns an empty trajectory and adds a warning if their frame cannot be
+  // related to the LiDAR.
+  Trajectory read_pose_topic(const bags::RosFrames& frames, const std::string& lidar) {
+    const bags::BagTopic& topic = *choice_.poses;
+    std::vector<StampedPose> poses;
+    std::optional<SE3> child_from_lidar;
+    for (std::size_t i = 0; i < topic.messages.size(); ++i) {
+      const bool odometry = topic.type == "nav_msgs/Odometry";
+      bags::RosMotion motion = messages_->decode(topic, i, [&](std::string_view m, bags::BagEncoding e) {
+        return odometry ? bags::parse_odometry(m, e) : bags::parse_pose(m, e);
+      });
+      if (motion.child.empty()) motion.child = frames.find_transform("base_link", lidar) ? "base_link" : lidar;
+      if (!child_from_lidar) child_from_lidar = frames.find_transform(motion.child, lidar);
+      if (!child_from_lidar) {
+        drive_.warnings.push_back(
+            fmt::format("the poses of {} are not used: no tf connects their frame {} with {}, the frame of the scans",
+                        topic.name, motion.child, lidar));
+        return {};
+      }
+      const std::int64_t time = motion.header.stamp_ns != 0 ? motion.header.stamp_ns : topic.messages[i].time_ns;
+      poses.push_back({time, motion.parent_from_child * *child_from_lidar});
+    }
+    return Trajectory(std::move(poses));
+  }
+
   // Numbers frames by their index in the whole recording.
   void add_frames(const std::vector<bags::StampedEntry>& images) {
     warn_of_lost_messages(*camera_.images);
@@ -178,7 +177,8 @@ class BagReader {
 
   void read_lidar(const std::vector<bags::StampedEntry>& entries, const bags::RosFrames& frames) {
     const LidarConfig config = config_ ? config_->lidar : LidarConfig();
-    scans_ = std::make_shared<BagScans>(messages_, *choice_.points, entries, config, drive_.warnings);
+    scans_ = std::make_shared<BagScans>(messages_, *choice_.points, entries, config);
+    drive_.warnings.insert(drive_.warnings.end(), scans_->warnings().begin(), scans_->warnings().end());
     for (const bags::StampedEntry& entry : entries) drive_.scan_headers.push_back(scans_->header(entry));
     set_camera(frames, scans_->frame());
     set_poses(frames, scans_->frame(), {});
@@ -249,7 +249,7 @@ class BagReader {
   void set_poses(const bags::RosFrames& frames, const std::string& lidar, const SE3& frame_from_lidar) {
     if (!choice_.has_named_poses) drive_.poses = frames.find_motion(lidar);
     if (drive_.poses.empty() && choice_.poses != nullptr)
-      drive_.poses = read_pose_topic(*messages_, *choice_.poses, frames, lidar, drive_.warnings);
+      drive_.poses = read_pose_topic(frames, lidar);
     else
       choice_.poses = nullptr;
     std::vector<StampedPose> poses = drive_.poses.poses();

@@ -76,14 +76,12 @@ Scan ScanFiles::read(const ScanHeader& header) const {
   media::PointCloud cloud = media::read_point_cloud(header.file, bin);
   if (units_per_meter != 1)
     for (Eigen::Vector3f& point : cloud.points) point /= static_cast<float>(units_per_meter);
-  return to_scan(std::move(cloud), header, rotation, times, clock_offset_ns);
+  return to_scan(std::move(cloud), header, clock);
 }
 
 ScanFiles inspect_scan_files(Drive& drive, const LidarConfig& config, const Rotation& rotation) {
   ScanFiles files{.bin = {},
-                  .rotation = rotation,
-                  .times = {},
-                  .clock_offset_ns = config.offset_ns,
+                  .clock = {.rotation = rotation, .times = {}, .clock_offset_ns = config.offset_ns},
                   .units_per_meter = config.units_per_meter};
   if (drive.scan_headers.empty()) return files;
   const std::size_t last = drive.scan_headers.size() - 1;
@@ -92,11 +90,11 @@ ScanFiles inspect_scan_files(Drive& drive, const LidarConfig& config, const Rota
   const ScanHeader& header = drive.scan_headers[last];
   const media::PointCloud cloud = media::read_point_cloud(header.file, files.bin);
   require_meters(cloud, header.file, config.units_per_meter);
-  files.times = find_point_times(drive, cloud, header, scan);
-  if (files.times.use == media::PointTimes::Use::none) {
-    if (!config.turn) files.rotation.turn = Turn::none;
+  files.clock.times = find_point_times(drive, cloud, header, scan);
+  if (files.clock.times.use == media::PointTimes::Use::none) {
+    if (!config.turn) files.clock.rotation.turn = Turn::none;
     drive.warnings.push_back(fmt::format(
-        "the times of the points in scans {} and are not used: {}", files.times.text,
+        "the times of the points in scans {} and are not used: {}", files.clock.times.text,
         config.turn ? "[lidar] rotation is used instead"
                     : "scans are assumed to be compensated for motion; set [lidar] rotation in dvi.toml if this is wrong"));
   }

@@ -12,9 +12,7 @@ namespace dvi::datasets {
 /// The description of a drive's scan files. It is the same for all files of a drive.
 struct ScanFiles {
   media::BinLayout bin;
-  Rotation rotation;
-  media::PointTimes times;
-  std::int64_t clock_offset_ns = 0;
+  ScanClock clock;
   double units_per_meter = 1;
 
   Scan read(const ScanHeader& header) const;

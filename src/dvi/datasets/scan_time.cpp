@@ -64,16 +64,15 @@ std::vector<float> times_in_order(const std::vector<Eigen::Vector3f>& points, co
   return times;
 }
 
-Scan to_scan(media::PointCloud cloud, const ScanHeader& header, const Rotation& rotation, const media::PointTimes& times,
-             std::int64_t clock_offset_ns) {
+Scan to_scan(media::PointCloud cloud, const ScanHeader& header, const ScanClock& clock) {
   Scan scan;
-  const double start_s = 1e-9 * static_cast<double>(header.start_ns - clock_offset_ns);
+  const double start_s = 1e-9 * static_cast<double>(header.start_ns - clock.clock_offset_ns);
   const double length_s = 1e-9 * static_cast<double>(header.end_ns - header.start_ns);
-  if (cloud.t.empty() || times.use == media::PointTimes::Use::none) {
-    scan.time = times_by_azimuth(cloud.points, header, rotation);
+  if (cloud.t.empty() || clock.times.use == media::PointTimes::Use::none) {
+    scan.time = times_by_azimuth(cloud.points, header, clock.rotation);
   } else {
     const Clock at(header);
-    for (const double after : media::to_seconds_after_start(cloud.t, times, start_s, length_s)) {
+    for (const double after : media::to_seconds_after_start(cloud.t, clock.times, start_s, length_s)) {
       if (!(std::abs(after) <= kMaxTimeS))
         throw InputError(header.file, fmt::format("a time of its points is {:.4g} s after the start of the scan", after),
                          "correct the times, or remove the field");

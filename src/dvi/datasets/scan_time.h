@@ -29,10 +29,15 @@ std::vector<float> times_by_azimuth(const std::vector<Eigen::Vector3f>& points, 
 /// the seam.
 std::vector<float> times_in_order(const std::vector<Eigen::Vector3f>& points, const ScanHeader& header);
 
+/// How the times of the points in scan files are determined.
+struct ScanClock {
+  Rotation rotation;                 ///< used if the files have no usable times
+  media::PointTimes times;           ///< the meaning of the times of the files
+  std::int64_t clock_offset_ns = 0;  ///< that was added to the times of headers, but not to those of points
+};
+
 /// Makes a scan of the points of its file. Uses the times of the file according to their meaning, or times by azimuth if the
-/// file has no usable times. `clock_offset_ns` was added to the times of the header, but not to those of the points. Throws
-/// InputError if times are far from the scan.
-Scan to_scan(media::PointCloud cloud, const ScanHeader& header, const Rotation& rotation, const media::PointTimes& times = {},
-             std::int64_t clock_offset_ns = 0);
+/// file has no usable times. Throws InputError if times are far from the scan.
+Scan to_scan(media::PointCloud cloud, const ScanHeader& header, const ScanClock& clock);
 
 }  // namespace dvi::datasets

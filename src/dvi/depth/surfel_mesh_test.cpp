@@ -17,9 +17,13 @@ void add_ground(map::StaticMap& map, double far, const Shadow& shadow) {
       if (!shadow(x, y)) add(map, x, y, -1.6);
 }
 
-void add_wall(map::StaticMap& map, double x, double half, double bottom, double top) {
-  for (double y = -half; y <= half; y += 0.1)
-    for (double z = bottom; z <= top; z += 0.1) add(map, x, y, z);
+struct WallAhead {
+  double x, half_width, bottom, top;
+};
+
+void add_wall(map::StaticMap& map, const WallAhead& wall) {
+  for (double y = -wall.half_width; y <= wall.half_width; y += 0.1)
+    for (double z = wall.bottom; z <= wall.top; z += 0.1) add(map, wall.x, y, z);
 }
 
 double ground_depth(const View& view, int y) { return 1.6 * view.camera.fy / (y - view.camera.cy); }
@@ -59,7 +63,7 @@ TEST(SurfelMesh, EstimatesNormalsOfSparseReturnsFromNeighbors) {
 TEST(DepthMap, GroundContinuesThroughAGapUpToTheWallBehind) {
   map::StaticMap map;  // a vehicle occluded the ground from 8 m to the wall, and the lower part of the wall, in all scans
   add_ground(map, 24, [](double x, double y) { return x > 8 && std::abs(y) < 2; });
-  add_wall(map, 24, 10, -0.4, 3);
+  add_wall(map, {24, 10, -0.4, 3});
   finish(map);
   const View view = test_view();
   const DepthMap depth = compute_depth_map(map, view, {});
@@ -75,8 +79,8 @@ TEST(DepthMap, GroundContinuesThroughAGapUpToTheWallBehind) {
 TEST(DepthMap, UprightSurfacesExtendToTheGroundInUnscannedAreas) {
   map::StaticMap map;  // a box at 15 m, of which the top 40 cm were scanned, in front of a wall
   add_ground(map, 40, [](double x, double y) { return x > 9 && std::abs(y) < 3; });
-  add_wall(map, 15, 1, -0.7, -0.3);
-  add_wall(map, 40, 12, -0.2, 4);
+  add_wall(map, {15, 1, -0.7, -0.3});
+  add_wall(map, {40, 12, -0.2, 4});
   finish(map);
   const View view = test_view();
   const DepthMap depth = compute_depth_map(map, view, {});
@@ -92,8 +96,8 @@ TEST(DepthMap, UprightSurfacesExtendToTheGroundInUnscannedAreas) {
 TEST(DepthMap, SuspendedSurfacesAreNotExtended) {
   map::StaticMap map;  // a sign at 10 m, above an unscanned area that is larger than its distance to the ground
   add_ground(map, 40, [](double x, double y) { return x > 25 && std::abs(y) < 4; });
-  add_wall(map, 10, 0.5, 0.2, 1);
-  add_wall(map, 40, 12, -0.2, 4);
+  add_wall(map, {10, 0.5, 0.2, 1});
+  add_wall(map, {40, 12, -0.2, 4});
   finish(map);
   const DepthMap depth = compute_depth_map(map, test_view(), {});
   int extended = 0;
@@ -105,7 +109,7 @@ TEST(DepthMap, SuspendedSurfacesAreNotExtended) {
 TEST(DepthMap, SigmaIsLargerAtGrazingAngles) {
   map::StaticMap map;
   add_ground(map, 60, [](double, double) { return false; });
-  add_wall(map, 60, 10, -1.6, 3);
+  add_wall(map, {60, 10, -1.6, 3});
   finish(map);
   const DepthMap depth = compute_depth_map(map, test_view(), {});
   EXPECT_LT(depth.sigma(180, 160), 0.05);

@@ -11,14 +11,14 @@ constexpr std::int64_t kAloneNs = 50'000'000;  // around a frame without neighbo
 }  // namespace
 
 std::vector<std::size_t> find_nearest_views(const Views& views, std::size_t target, std::pair<std::size_t, std::size_t> range,
-                                            std::size_t most, double radian_m) {
+                                            const ViewSearch& search) {
   const SE3 here = views[target].camera_from_world.inverse();
   std::vector<std::pair<double, std::size_t>> near;
   for (std::size_t i = range.first; i < range.second; ++i) {
     const SE3 there = views[i].camera_from_world.inverse();
-    near.emplace_back((there.t - here.t).norm() + radian_m * (there.R.col(2) - here.R.col(2)).norm(), i);
+    near.emplace_back((there.t - here.t).norm() + search.radian_m * (there.R.col(2) - here.R.col(2)).norm(), i);
   }
-  most = std::min(most, near.size());
+  const std::size_t most = std::min(search.max_views, near.size());
   std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(most), near.end());
   std::vector<std::size_t> out;
   for (std::size_t k = 0; k < most; ++k) out.push_back(near[k].second);
@@ -51,7 +51,7 @@ std::vector<std::size_t> find_nearest_views_of_other_drives(const Views& views, 
   for (int sequence = 0; sequence < views.sequences(); ++sequence) {
     const auto range = views.of_sequence(sequence);
     if (range.first == range.second || views[range.first].drive == views[target].drive) continue;
-    for (const std::size_t view : find_nearest_views(views, target, range, most)) out.push_back(view);
+    for (const std::size_t view : find_nearest_views(views, target, range, {most})) out.push_back(view);
   }
   return out;
 }

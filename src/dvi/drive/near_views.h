@@ -8,10 +8,16 @@
 
 namespace dvi {
 
-/// Finds the `most` views of [range.first, range.second) nearest to view `target`, ordered by distance and then by number. An
-/// angle of one radian between the viewing directions counts like a distance of `radian_m` meters.
+/// The number of nearest views, and the measure of their distance.
+struct ViewSearch {
+  std::size_t max_views = 0;
+  /// The distance in meters that counts like an angle of one radian between the viewing directions.
+  double radian_m = 0;
+};
+
+/// Finds the views of [range.first, range.second) nearest to view `target`, ordered by distance and then by number.
 std::vector<std::size_t> find_nearest_views(const Views& views, std::size_t target, std::pair<std::size_t, std::size_t> range,
-                                            std::size_t most, double radian_m = 0);
+                                            const ViewSearch& search);
 
 /// Lists the views of the other cameras on the target's drive that were taken during the time of its own `steps` views before
 /// and after it, camera by camera.

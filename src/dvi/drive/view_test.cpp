@@ -77,15 +77,15 @@ TEST(Views, AreFoundByTheNumberOfTheDrive) {
 
 TEST(NearViews, AreInOrderOfDistance) {
   const Views views = views_at({{0, 10}, {0, 0}, {0, 13}, {0, 9}, {0, 5}});
-  EXPECT_THAT(find_nearest_views(views, 0, {1, 5}, 3), ElementsAre(3, 2, 4));
-  EXPECT_THAT(find_nearest_views(views, 0, {1, 5}, 9), ElementsAre(3, 2, 4, 1));
-  EXPECT_THAT(find_nearest_views(views, 0, {1, 5}, 0), IsEmpty());
-  EXPECT_THAT(find_nearest_views(views, 0, {1, 1}, 3), IsEmpty());
+  EXPECT_THAT(find_nearest_views(views, 0, {1, 5}, {3}), ElementsAre(3, 2, 4));
+  EXPECT_THAT(find_nearest_views(views, 0, {1, 5}, {9}), ElementsAre(3, 2, 4, 1));
+  EXPECT_THAT(find_nearest_views(views, 0, {1, 5}, {0}), IsEmpty());
+  EXPECT_THAT(find_nearest_views(views, 0, {1, 1}, {3}), IsEmpty());
 }
 
 TEST(NearViews, AreInOrderOfNumberForEqualDistances) {
   const Views views = views_at({{0, 10}, {0, 11}, {0, 9}, {0, 11}});
-  EXPECT_THAT(find_nearest_views(views, 0, {1, 4}, 2), ElementsAre(1, 2));
+  EXPECT_THAT(find_nearest_views(views, 0, {1, 4}, {2}), ElementsAre(1, 2));
 }
 
 TEST(NearViews, CountDirectionsInMeters) {
@@ -95,8 +95,8 @@ TEST(NearViews, CountDirectionsInMeters) {
     view.camera_from_world = SE3{turn, {0, 0, 0}} * view.camera_from_world;
   };
   look_back(views.views[1]);
-  EXPECT_THAT(find_nearest_views(views, 0, {1, 3}, 1), ElementsAre(1));
-  EXPECT_THAT(find_nearest_views(views, 0, {1, 3}, 1, 10), ElementsAre(2));
+  EXPECT_THAT(find_nearest_views(views, 0, {1, 3}, {1}), ElementsAre(1));
+  EXPECT_THAT(find_nearest_views(views, 0, {1, 3}, {1, 10}), ElementsAre(2));
 }
 
 TEST(NearViews, OfOtherDrivesExcludeThatOfTheTarget) {

@@ -32,12 +32,17 @@ class Warp {
   SE3 source_from_target_;
 };
 
-/// Returns the position in a source frame of the neighbor `q` of pixel `p`, which is at `p_in_source`: both are warped by their
-/// own depths to `p_at` and `q_at`, and q is shifted like p. If a depth is unknown, adds q - p to p_in_source.
-inline cv::Point2f find_neighbor_in_source(cv::Point p, cv::Point2f p_in_source, std::optional<cv::Point2f> p_at, cv::Point q,
-                                           std::optional<cv::Point2f> q_at) {
-  if (p_at && q_at) return p_in_source + (*q_at - *p_at);
-  return p_in_source + cv::Point2f(q - p);
+/// A pixel of a target view, and its position in a source by its own depth; none if the depth is unknown.
+struct WarpedPixel {
+  cv::Point pixel;
+  std::optional<cv::Point2f> in_source;
+};
+
+/// Returns the position in a source frame of the neighbor `q` of pixel `p`, which was copied from `p_from`: q is shifted like
+/// p. If a depth is unknown, adds the offset of the pixels to p_from.
+inline cv::Point2f find_neighbor_in_source(const WarpedPixel& p, cv::Point2f p_from, const WarpedPixel& q) {
+  if (p.in_source && q.in_source) return p_from + (*q.in_source - *p.in_source);
+  return p_from + cv::Point2f(q.pixel - p.pixel);
 }
 
 /// Returns whether bilinear interpolation at this position stays within the image and outside its mask (255 = remove).

@@ -66,10 +66,10 @@ TEST(Warp, ReturnsNothingWithoutDepthOrBehindTheSource) {
 
 TEST(NeighborInSource, KeepsTheMotionOfNeighbors) {
   const cv::Point2f shown(50.5, 20);
-  EXPECT_EQ(find_neighbor_in_source({10, 10}, shown, cv::Point2f(50, 20), {11, 10}, cv::Point2f(52, 20.25)),
+  EXPECT_EQ(find_neighbor_in_source({{10, 10}, cv::Point2f(50, 20)}, shown, {{11, 10}, cv::Point2f(52, 20.25)}),
             cv::Point2f(52.5, 20.25));
-  EXPECT_EQ(find_neighbor_in_source({10, 10}, shown, std::nullopt, {11, 10}, cv::Point2f(52, 20)), cv::Point2f(51.5, 20));
-  EXPECT_EQ(find_neighbor_in_source({10, 10}, shown, cv::Point2f(50, 20), {10, 9}, std::nullopt), cv::Point2f(50.5, 19));
+  EXPECT_EQ(find_neighbor_in_source({{10, 10}, std::nullopt}, shown, {{11, 10}, cv::Point2f(52, 20)}), cv::Point2f(51.5, 20));
+  EXPECT_EQ(find_neighbor_in_source({{10, 10}, cv::Point2f(50, 20)}, shown, {{10, 9}, std::nullopt}), cv::Point2f(50.5, 19));
 }
 
 TEST(CanSample, RequiresCellsWithinTheImageAndOutsideTheMask) {

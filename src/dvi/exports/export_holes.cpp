@@ -27,24 +27,12 @@ nlohmann::json make_camera(const Result& result, const ResultFrame& frame) {
           {"distortion", c.distortion},     {"world_from_camera", rows}};
 }
 
-// Writes frame and mask. Programs that fill pairs work on each image alone and need no frames without holes; programs for
-// videos need all frames.
-void write_frame_and_mask(const Result& result, std::size_t i, const cv::Mat1b& mask, HoleLayout layout,
-                          const fs::path& folder) {
-  const std::string& name = result.frames()[i].name;
-  if (layout == HoleLayout::folders) {
-    copy_picture(result.picture("frames", i), folder / "frames" / (name + ".png"));
-    media::write_png(folder / "masks" / (name + ".png"), mask);
-  } else if (cv::countNonZero(mask) > 0) {
-    copy_picture(result.picture("frames", i), folder / "pairs" / (name + ".png"));
-    media::write_png(folder / "pairs" / (name + "_mask.png"), mask);
-  }
-}
-
 ExportReport write_holes(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
   const bool in_pairs = options.layout == HoleLayout::pairs;
-  for (const char* name : {in_pairs ? "pairs" : "frames", in_pairs ? "pairs" : "masks", "depth", "cameras"})
-    make_folder(folder / name);
+  const char* const frames_folder = in_pairs ? "pairs" : "frames";
+  const char* const masks_folder = in_pairs ? "pairs" : "masks";
+  const char* const mask_ending = in_pairs ? "_mask.png" : ".png";
+  for (const char* name : {frames_folder, masks_folder, "depth", "cameras"}) make_folder(folder / name);
   std::atomic<std::size_t> frames = 0, pixels = 0;
   parallel_for(result.frames().size(), [&](std::size_t i) {
     const ResultFrame& frame = result.frames()[i];
@@ -52,7 +40,12 @@ ExportReport write_holes(const Result& result, const fs::path& folder, const Exp
     const auto count = static_cast<std::size_t>(cv::countNonZero(unobserved));
     pixels += count;
     frames += count > 0 ? 1 : 0;
-    write_frame_and_mask(result, i, grown(unobserved, options.grow_px), options.layout, folder);
+    const cv::Mat1b mask = grown(unobserved, options.grow_px);
+    // Programs that fill pairs work on each image alone and need no frames without holes; programs for videos need all frames.
+    if (!in_pairs || cv::countNonZero(mask) > 0) {
+      copy_picture(result.picture("frames", i), folder / frames_folder / (frame.name + ".png"));
+      media::write_png(folder / masks_folder / (frame.name + mask_ending), mask);
+    }
     copy_picture(result.picture("depth", i), folder / "depth" / (frame.name + ".png"));
     write_file(folder / "cameras" / (frame.name + ".json"), json_text(make_camera(result, frame)) + "\n");
     progress.advance();

@@ -26,12 +26,12 @@ const ExportFormat& find_export_format(const std::string& name) {
   throw UsageError(fmt::format("there is no export format '{}'; the formats are {}", name, fmt::join(names, ", ")));
 }
 
-ExportReport export_result(const ExportFormat& format, const ExportSource& source, const fs::path& folder,
-                           const ExportOptions& options, Progress& progress) {
+ExportReport export_result(const ExportTask& task, const ExportFormat& format, const ExportOptions& options,
+                           Progress& progress) {
   options.check();
-  require_empty(folder, "export");
-  const Result result(source.out, source.label_scans);
-  const fs::path place = fs::absolute(folder / "").lexically_normal().parent_path();
+  require_empty(task.folder, "export");
+  const Result result(task.out, task.label_scans);
+  const fs::path place = fs::absolute(task.folder / "").lexically_normal().parent_path();
   make_folder(place.parent_path());
   Draft draft(place, place.parent_path() / ("." + place.filename().string() + ".part"));
   make_folder(draft.path());

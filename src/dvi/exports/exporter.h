@@ -83,16 +83,15 @@ const std::vector<ExportFormat>& export_formats();
 /// Returns the format of a name. Throws UsageError with all names if there is none.
 const ExportFormat& find_export_format(const std::string& name);
 
-/// A finished result of `dvi run` to export.
-struct ExportSource {
-  fs::path out;
+/// A finished result of `dvi run` to export, and the new or empty folder to which it is exported.
+struct ExportTask {
+  fs::path out, folder;
   LabelScans label_scans = {};  ///< for the format labels: commands::label_scans
 };
 
-/// Writes a result into a new or empty folder, completely or not at all. Throws InputError if the result lacks data that the
-/// format needs.
-ExportReport export_result(const ExportFormat& format, const ExportSource& source, const fs::path& folder,
-                           const ExportOptions& options, Progress& progress);
+/// Exports a result, completely or not at all. Throws InputError if the result lacks data that the format needs.
+ExportReport export_result(const ExportTask& task, const ExportFormat& format, const ExportOptions& options,
+                           Progress& progress);
 
 /// Format a report as a JSON document, and as lines for the user.
 std::string to_json(const ExportReport& report, const std::string& format, const fs::path& folder);

@@ -154,7 +154,7 @@ TEST(Exports, ReportMissingFiles) {
   const ExportFormat& format = find_export_format("ply");
   Progress quiet(ProgressStyle::quiet);
   const auto message = [&] {
-    return input_error([&] { export_result(format, {folder.path / "out"}, folder.path / "to", {}, quiet); });
+    return input_error([&] { export_result({folder.path / "out", folder.path / "to"}, format, {}, quiet); });
   };
   EXPECT_THAT(message(), HasSubstr("is not a folder"));
   folder.write("out/frames/a.png", "");

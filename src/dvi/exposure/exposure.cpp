@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "dvi/core/lazy.h"
@@ -29,16 +30,16 @@ struct GainRatio {
   std::array<double, 3> weight{};  ///< 1 / variance
 };
 
-/// Appends the ratio of two views if they share enough points.
-void compare_views(std::size_t a, std::size_t b, const Lazy<PointObservations>& observed, const std::vector<float>& vignetting,
-                   std::vector<GainRatio>& out) {
+/// Computes the ratio of two views; none if they share too few points.
+std::optional<GainRatio> compare_views(std::size_t a, std::size_t b, const Lazy<PointObservations>& observed,
+                                       const std::vector<float>& vignetting) {
   const std::shared_ptr<const PointObservations> in_a = observed[a], in_b = observed[b];
   std::array<std::vector<float>, 3> ratios;
   for_each_shared(*in_a, *in_b, [&](const PointObservation& i, const PointObservation& j) {
     const float darker = vignetting[b] * j.off_axis - vignetting[a] * i.off_axis;
     for (int c = 0; c < 3; ++c) ratios[c].push_back(j.color[c] - i.color[c] + darker);
   });
-  if (ratios[0].size() < kExposure.min_points) return;
+  if (ratios[0].size() < kExposure.min_points) return std::nullopt;
   GainRatio pair{a, b, {}, {}};
   for (int c = 0; c < 3; ++c) {
     pair.ratio[c] = median(ratios[c]);
@@ -46,13 +47,13 @@ void compare_views(std::size_t a, std::size_t b, const Lazy<PointObservations>& 
     const double sigma = estimate_sigma(ratios[c]);
     pair.weight[c] = 1 / (kExposure.min_sigma * kExposure.min_sigma + sigma * sigma / static_cast<double>(ratios[c].size()));
   }
-  out.push_back(pair);
+  return pair;
 }
 
 /// Finds the views of earlier sequences with the most similar position and direction.
 std::vector<std::size_t> find_anchors(const Views& views, std::size_t view) {
-  return find_nearest_views(views, view, {0, views.of_sequence(views[view].sequence).first}, kExposure.anchors,
-                            kExposure.radian_m);
+  return find_nearest_views(views, view, {0, views.of_sequence(views[view].sequence).first},
+                            {kExposure.anchors, kExposure.radian_m});
 }
 
 std::vector<GainRatio> compare_all_views(const Views& views, const Lazy<PointObservations>& observed,
@@ -60,11 +61,13 @@ std::vector<GainRatio> compare_all_views(const Views& views, const Lazy<PointObs
   std::vector<std::vector<GainRatio>> of_view(views.size());
   parallel_in_order(views.size(), [&](std::size_t i) {
     if (!shares_colors(views[i], views[0])) return tick();
+    const auto compare = [&](std::size_t other) {
+      if (const auto ratio = compare_views(other, i, observed, vignetting)) of_view[i].push_back(*ratio);
+    };
     for (const std::size_t distance : kFrameDistances)
-      if (distance <= i && views[i - distance].sequence == views[i].sequence)
-        compare_views(i - distance, i, observed, vignetting, of_view[i]);
+      if (distance <= i && views[i - distance].sequence == views[i].sequence) compare(i - distance);
     for (const std::size_t other : find_anchors(views, i))
-      if (shares_colors(views[other], views[i])) compare_views(other, i, observed, vignetting, of_view[i]);
+      if (shares_colors(views[other], views[i])) compare(other);
     tick();
   });
   std::vector<GainRatio> pairs;

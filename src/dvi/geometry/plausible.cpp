@@ -5,17 +5,12 @@
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
+#include "dvi/core/options.h"
 
 namespace dvi {
 namespace {
 
 constexpr double kMinFocal = 0.05, kMaxFocal = 50;  // in image widths
-
-void require_within(double value, double low, double high, const std::string& name, const fs::path& file,
-                    const std::string& field, const std::string& reason) {
-  if (!(value >= low && value <= high))
-    throw InputError(file, fmt::format("{}: {} = {:g} px is not within {:g} to {:g}", field, name, value, low, high), reason);
-}
 
 }  // namespace
 
@@ -54,12 +49,17 @@ void require_plausible(const Camera& camera, const fs::path& file, const std::st
   if (!(width > 0 && height > 0 && width * height <= static_cast<double>(kMaxPixels)))
     throw InputError(file, fmt::format("{}: the image size is {}x{}", field, camera.width, camera.height),
                      "sides must be positive, with at most 2^28 pixels");
+  const auto require_within = [&](const char* name, double value, const Range& range, const char* reason) {
+    if (!(value >= range.low && value <= range.high))
+      throw InputError(
+          file, fmt::format("{}: {} = {:g} px is not within {:g} to {:g}", field, name, value, range.low, range.high), reason);
+  };
   constexpr const char* kFocal = "focal lengths in pixels must be 0.05 to 50 times the image's width";
-  require_within(camera.fx, kMinFocal * width, kMaxFocal * width, "fx", file, field, kFocal);
-  require_within(camera.fy, kMinFocal * width, kMaxFocal * width, "fy", file, field, kFocal);
+  require_within("fx", camera.fx, {kMinFocal * width, kMaxFocal * width}, kFocal);
+  require_within("fy", camera.fy, {kMinFocal * width, kMaxFocal * width}, kFocal);
   constexpr const char* kCenter = "the principal point must be in or near the image";
-  require_within(camera.cx, -0.5 * width, 1.5 * width, "cx", file, field, kCenter);
-  require_within(camera.cy, -0.5 * height, 1.5 * height, "cy", file, field, kCenter);
+  require_within("cx", camera.cx, {-0.5 * width, 1.5 * width}, kCenter);
+  require_within("cy", camera.cy, {-0.5 * height, 1.5 * height}, kCenter);
 }
 
 std::string describe_off_center_problem(const Camera& camera) {

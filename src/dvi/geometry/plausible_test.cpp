@@ -34,22 +34,24 @@ TEST(Plausible, AcceptsCameraMatricesRowByRow) {
   EXPECT_THAT(describe_camera_matrix_problem({500, 9, 320, 0, 500, 240, 0, 0, 1}), HasSubstr("skewed"));
 }
 
-Camera camera_of(int width, int height, double f, double cx, double cy) {
+Camera camera_of(cv::Size size, double f, cv::Point2d center) {
   Camera camera;
-  camera.width = width, camera.height = height, camera.fx = camera.fy = f, camera.cx = cx, camera.cy = cy;
+  camera.width = size.width, camera.height = size.height, camera.fx = camera.fy = f;
+  camera.cx = center.x, camera.cy = center.y;
   return camera;
 }
 
 TEST(Plausible, AcceptsCamerasThatMatchTheirImages) {
   const auto error = [](const Camera& camera) { return input_error([&] { require_plausible(camera, "calib.txt", "P2"); }); };
-  EXPECT_NO_THROW(require_plausible(camera_of(640, 480, 500, 320, 240), "calib.txt", "P2"));
-  EXPECT_NO_THROW(require_plausible(camera_of(640, 480, 32, -320, 720), "calib.txt", "P2"));
-  EXPECT_THAT(error(camera_of(640, 480, 1e12, 320, 240)), HasSubstr("calib.txt: P2: fx = 1e+12 px is not within 32 to 32000"));
-  EXPECT_THAT(error(camera_of(640, 480, 1, 320, 240)), HasSubstr("fx = 1 px"));
-  EXPECT_THAT(error(camera_of(640, 480, 500, 961, 240)), HasSubstr("cx = 961 px is not within -320 to 960"));
-  EXPECT_THAT(error(camera_of(640, 480, 500, 320, -241)), HasSubstr("cy = -241 px is not within -240 to 720"));
-  EXPECT_THAT(error(camera_of(0, 480, 500, 320, 240)), HasSubstr("0x480"));
-  EXPECT_THAT(error(camera_of(65536, 65536, 65536, 320, 240)), AllOf(HasSubstr("65536x65536"), HasSubstr("2^28")));
+  EXPECT_NO_THROW(require_plausible(camera_of({640, 480}, 500, {320, 240}), "calib.txt", "P2"));
+  EXPECT_NO_THROW(require_plausible(camera_of({640, 480}, 32, {-320, 720}), "calib.txt", "P2"));
+  EXPECT_THAT(error(camera_of({640, 480}, 1e12, {320, 240})),
+              HasSubstr("calib.txt: P2: fx = 1e+12 px is not within 32 to 32000"));
+  EXPECT_THAT(error(camera_of({640, 480}, 1, {320, 240})), HasSubstr("fx = 1 px"));
+  EXPECT_THAT(error(camera_of({640, 480}, 500, {961, 240})), HasSubstr("cx = 961 px is not within -320 to 960"));
+  EXPECT_THAT(error(camera_of({640, 480}, 500, {320, -241})), HasSubstr("cy = -241 px is not within -240 to 720"));
+  EXPECT_THAT(error(camera_of({0, 480}, 500, {320, 240})), HasSubstr("0x480"));
+  EXPECT_THAT(error(camera_of({65536, 65536}, 65536, {320, 240})), AllOf(HasSubstr("65536x65536"), HasSubstr("2^28")));
 }
 
 TEST(Plausible, AcceptsNamesWithinTheirFolder) {

@@ -43,7 +43,7 @@ struct CopiedPixel {
 std::optional<cv::Vec3f> read_neighbor(const Source& source, const CopiedPixel& p, cv::Point q, const depth::DepthMap& depth) {
   const auto& [at, candidate] = p;
   const cv::Point2f by_depth =
-      find_neighbor_in_source(at, candidate.position, source.warp(at, depth.z(at)), q, source.warp(q, depth.z(q)));
+      find_neighbor_in_source({at, source.warp(at, depth.z(at))}, candidate.position, {q, source.warp(q, depth.z(q))});
   const cv::Point2f by_image = candidate.position + cv::Point2f(q - at);
   for (const cv::Point2f position : {by_depth, by_image})
     if (can_sample(*source.mask, position, candidate.footprint)) return source.read_color(q, position, candidate.footprint);

@@ -1,7 +1,6 @@
 #include "dvi/harmonize/fuse.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "dvi/drive/vignetting.h"
@@ -41,14 +40,6 @@ std::size_t find_leading(std::span<const SourceColor> colors) {
 }
 
 }  // namespace
-
-float max_difference(const cv::Vec3f& a, const cv::Vec3f& b) {
-  return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
-}
-
-float mean_difference(const cv::Vec3f& a, const cv::Vec3f& b) {
-  return (std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2])) / 3;
-}
 
 Agreement find_agreement(std::span<const SourceColor> colors) {
   Agreement out;

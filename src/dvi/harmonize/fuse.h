@@ -7,14 +7,10 @@
 
 #include "dvi/depth/target.h"
 #include "dvi/harmonize/illumination_change.h"
+#include "dvi/image/color_difference.h"
 #include "dvi/sample/candidates.h"
 
 namespace dvi::harmonize {
-
-/// The largest difference of two colors over the channels, in gray levels.
-float max_difference(const cv::Vec3f& a, const cv::Vec3f& b);
-/// The mean difference of two colors over the channels, in gray levels.
-float mean_difference(const cv::Vec3f& a, const cv::Vec3f& b);
 
 /// The color of a pixel in a source, in the illumination of the target.
 struct SourceColor {

@@ -9,7 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/median.h"
-#include "dvi/harmonize/fuse.h"
+#include "dvi/image/color_difference.h"
 #include "dvi/image/region.h"
 #include "dvi/sample/candidates.h"
 

@@ -88,7 +88,7 @@ Holdout::Holdout(const std::vector<HoldoutCamera>& cameras, const Trajectory& wo
   if (options.scenario != Scenario::banner) {
     road_ = std::make_shared<const DrivenPath>(drive, world_from_lidar);
     vehicle_.emplace(options.scenario, derive_seed(options.seed, static_cast<std::uint64_t>(options.scenario)), road_,
-                     drive_.frames.front().time_ns, drive_.frames.back().time_ns);
+                     TimeSpan{drive_.frames.front().time_ns, drive_.frames.back().time_ns});
     if (options.scenario == Scenario::parked) vehicle_->avoid_obstacles(drive, world_from_lidar);
     if (is_labeled()) add_labels();
   }

@@ -21,9 +21,15 @@ std::array<double, 3> choose_base_color(std::uint64_t seed) {
   return {random.uniform(50, 200), random.uniform(50, 200), random.uniform(50, 200)};
 }
 
-cv::Vec3b add_noise(const std::array<double, 3>& color, double shade, std::uint64_t seed, int face, int u, int v) {
+/// A cell of noise: the number of a face, and the position on it in cells.
+struct NoiseCell {
+  int face, u, v;
+};
+
+cv::Vec3b add_noise(const std::array<double, 3>& color, double shade, std::uint64_t seed, const NoiseCell& cell) {
   std::uint64_t key = seed;
-  for (const int part : {face, u, v}) key = Random(key ^ static_cast<std::uint64_t>(static_cast<std::uint32_t>(part))).next();
+  for (const int part : {cell.face, cell.u, cell.v})
+    key = Random(key ^ static_cast<std::uint64_t>(static_cast<std::uint32_t>(part))).next();
   const double noise = Random(key).uniform(-kNoiseLevels, kNoiseLevels);
   cv::Vec3b out;
   for (int c = 0; c < 3; ++c) out[c] = cv::saturate_cast<uchar>(shade * color[static_cast<std::size_t>(c)] + noise);
@@ -81,9 +87,9 @@ Painting paint_box(const Box& camera_box, const Camera& camera, std::uint64_t se
       const auto hit = find_hit(camera_box, Eigen::Vector3d::Zero(), camera.ray({x, y}));
       if (!hit) continue;
       const double u = hit->point[(hit->axis + 1) % 3], v = hit->point[(hit->axis + 2) % 3];
-      painting.colors(y, x) =
-          add_noise(color, kShades[static_cast<std::size_t>(hit->axis)], seed, 2 * hit->axis + (hit->side > 0 ? 1 : 0),
-                    static_cast<int>(std::floor(u / kNoiseCellM)), static_cast<int>(std::floor(v / kNoiseCellM)));
+      const NoiseCell cell{2 * hit->axis + (hit->side > 0 ? 1 : 0), static_cast<int>(std::floor(u / kNoiseCellM)),
+                           static_cast<int>(std::floor(v / kNoiseCellM))};
+      painting.colors(y, x) = add_noise(color, kShades[static_cast<std::size_t>(hit->axis)], seed, cell);
       painting.pixels(y, x) = 255;
     }
   return painting;
@@ -98,7 +104,7 @@ Painting paint_banner(cv::Size image, std::uint64_t seed) {
   Painting painting{cv::Mat3b(image, cv::Vec3b()), cv::Mat1b(image, uchar{0})};
   for (int y = area.y; y < area.y + area.height; ++y)
     for (int x = area.x; x < area.x + area.width; ++x)
-      painting.colors(y, x) = add_noise(color, 1, seed, 0, (x - area.x) / kNoiseCellPx, (y - area.y) / kNoiseCellPx);
+      painting.colors(y, x) = add_noise(color, 1, seed, {0, (x - area.x) / kNoiseCellPx, (y - area.y) / kNoiseCellPx});
   painting.pixels(area) = 255;
   return painting;
 }

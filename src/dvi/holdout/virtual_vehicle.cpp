@@ -37,11 +37,11 @@ Scenario parse_scenario(const std::string& text) {
 }
 
 VirtualVehicle::VirtualVehicle(Scenario scenario, std::uint64_t seed, std::shared_ptr<const DrivenPath> road,
-                               std::int64_t start_ns, std::int64_t end_ns)
-    : road_(std::move(road)), start_ns_(start_ns) {
+                               const TimeSpan& recorded)
+    : road_(std::move(road)), start_ns_(recorded.first) {
   Random random(seed);
-  const double first = road_->path_length_at(start_ns), traveled = road_->path_length_at(end_ns) - first;
-  const double seconds = std::max(0.1, 1e-9 * static_cast<double>(end_ns - start_ns));
+  const double first = road_->path_length_at(recorded.first), traveled = road_->path_length_at(recorded.last) - first;
+  const double seconds = std::max(0.1, 1e-9 * static_cast<double>(recorded.last - recorded.first));
   const double speed = traveled / seconds;
   switch (scenario) {
     case Scenario::lead:
@@ -98,7 +98,7 @@ void VirtualVehicle::avoid_obstacles(const Drive& drive, const Trajectory& world
     along.push_back(drawn + step * kStepM);
     if (drawn - step * kStepM >= nearest) along.push_back(drawn - step * kStepM);
   }
-  const std::vector<std::size_t> returns = count_returns_inside(drive, world_from_lidar, *road_, size_, along, motion_.left);
+  const std::vector<std::size_t> returns = count_returns_inside(drive, world_from_lidar, {*road_, size_, along, motion_.left});
   const auto fewest = std::min_element(returns.begin(), returns.end());
   motion_.along = along[static_cast<std::size_t>(fewest - returns.begin())];
   avoidance_ = {motion_.along - drawn, *fewest};

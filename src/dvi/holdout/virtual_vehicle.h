@@ -23,9 +23,8 @@ Scenario parse_scenario(const std::string& text);
 /// A box that moves on the road. The seed varies distance, speed, and lateral position. `banner` has no vehicle.
 class VirtualVehicle {
  public:
-  /// The drive was recorded from `start_ns` to `end_ns`.
-  VirtualVehicle(Scenario scenario, std::uint64_t seed, std::shared_ptr<const DrivenPath> road, std::int64_t start_ns,
-                 std::int64_t end_ns);
+  /// `recorded` is the time of the drive.
+  VirtualVehicle(Scenario scenario, std::uint64_t seed, std::shared_ptr<const DrivenPath> road, const TimeSpan& recorded);
 
   /// Moves a parked vehicle along the road by at most 15 m to the nearest position at which no return of the drive's scans is
   /// inside it (obstacles.h); if there is none, to the nearest position with the fewest returns.

@@ -55,7 +55,7 @@ Drive drive_past(const std::vector<Eigen::Vector3d>& obstacles) {
 
 VirtualVehicle park(const Drive& drive) {
   VirtualVehicle vehicle(Scenario::parked, kSeed, std::make_shared<const DrivenPath>(drive, drive.poses),
-                         drive.frames.front().time_ns, drive.frames.back().time_ns);
+                         {drive.frames.front().time_ns, drive.frames.back().time_ns});
   vehicle.avoid_obstacles(drive, drive.poses);
   return vehicle;
 }

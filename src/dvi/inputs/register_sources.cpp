@@ -129,8 +129,8 @@ void register_sources(const Recordings& drives, const job::Job& job, Poses& pose
   if (unplaced.empty()) return;
   std::vector<registration::DriveTrack> tracks;
   for (const Unplaced& one : unplaced) tracks.push_back(one.track);
-  registration::Registered found = registration::register_drives({&target, poses.front().world_from_lidar, true}, tracks,
-                                                                 job.options.odometry, keeps_given(job), progress.parts());
+  registration::Registered found = registration::register_drives(
+      {&target, poses.front().world_from_lidar, true, keeps_given(job)}, tracks, job.options.odometry, progress.parts());
   progress.end();
   poses.front().world_from_lidar = std::move(found.target);
   for (std::size_t k = 0; k < unplaced.size(); ++k)

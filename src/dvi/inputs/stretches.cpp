@@ -103,7 +103,7 @@ void register_parts(const Drive& drive, const odometry::OdometryOptions& options
     }
   const Trajectory base = join(parts, Parts::placed);
   if (open.empty() || base.empty()) return;
-  const auto found = registration::register_drives({&drive, base, true}, tracks, options, true, progress.parts());
+  const auto found = registration::register_drives({&drive, base, true, true}, tracks, options, progress.parts());
   progress.end();
   for (std::size_t k = 0; k < open.size(); ++k) {
     const registration::Placement& placement = found.sources[k];

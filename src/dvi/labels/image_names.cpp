@@ -80,20 +80,25 @@ void require_same_count(const fs::path& source, const std::set<std::string>& nam
                     shift > 0 ? *names.rbegin() : *names.begin()));
 }
 
-using Key = std::string (*)(const std::string&);
+/// A part of names by which they are matched.
+struct NameKey {
+  std::string (*of_name)(const std::string&);  ///< an empty text for a name without this part
+  bool is_in_all_names;
+  const char* description;
+};
 
-// Matches names by a key. Returns nothing if no name has the key of an image or, with `all`, if one has not.
-std::optional<MatchedNames> match_by(Key key, bool all, const fs::path& source, const std::vector<std::string>& names,
+// Matches names by a key. Returns nothing if no name, or not every name as the key requires, has the key of an image.
+std::optional<MatchedNames> match_by(const NameKey& key, const fs::path& source, const std::vector<std::string>& names,
                                      const std::set<std::string>& recorded) {
   std::map<std::string, std::string> image_of;
   for (const std::string& image : recorded)
-    if (const std::string of_image = key(image); !of_image.empty() && !image_of.emplace(of_image, image).second)
+    if (const std::string of_image = key.of_name(image); !of_image.empty() && !image_of.emplace(of_image, image).second)
       return std::nullopt;
   MatchedNames out;
   std::map<std::string, std::string> first;  // name by image
   for (const std::string& name : names) {
-    const auto found = image_of.find(key(name));
-    if (found == image_of.end() && all) return std::nullopt;
+    const auto found = image_of.find(key.of_name(name));
+    if (found == image_of.end() && key.is_in_all_names) return std::nullopt;
     out.images.push_back(found == image_of.end() ? std::nullopt : std::optional(found->second));
     if (found == image_of.end()) continue;
     if (const auto [other, fresh] = first.emplace(found->second, name); !fresh && other->second != name)
@@ -102,9 +107,8 @@ std::optional<MatchedNames> match_by(Key key, bool all, const fs::path& source, 
   }
   if (first.empty()) return std::nullopt;
   const fs::path named = source.has_filename() ? source : source.parent_path();
-  out.warning =
-      fmt::format("{}: names are matched by {}, such as {} to image {}", named.filename().string(),
-                  all ? "number" : "their part without additions of tools", first.begin()->second, first.begin()->first);
+  out.warning = fmt::format("{}: names are matched by {}, such as {} to image {}", named.filename().string(), key.description,
+                            first.begin()->second, first.begin()->first);
   return out;
 }
 
@@ -112,6 +116,9 @@ std::string to_number_key(const std::string& name) {
   const std::optional<int> number = find_number(name);
   return number ? std::to_string(*number) : "";
 }
+
+constexpr NameKey kPlainNames{to_plain_image_name, false, "their part without additions of tools"};
+constexpr NameKey kNumbers{to_number_key, true, "number"};
 
 }  // namespace
 
@@ -130,8 +137,8 @@ MatchedNames match_names(const fs::path& source, const std::vector<std::string>&
   const std::set<std::string> distinct(names.begin(), names.end());
   require_same_count(source, distinct, recorded);
   if (std::any_of(equal.images.begin(), equal.images.end(), [](const auto& image) { return image.has_value(); })) return equal;
-  if (auto plain = match_by(to_plain_image_name, false, source, names, recorded)) return *plain;
-  if (auto numbered = match_by(to_number_key, true, source, names, recorded)) return *numbered;
+  if (auto plain = match_by(kPlainNames, source, names, recorded)) return *plain;
+  if (auto numbered = match_by(kNumbers, source, names, recorded)) return *numbered;
   return equal;
 }
 

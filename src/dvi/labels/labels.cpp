@@ -84,13 +84,13 @@ UnknownFrames find_strays(const fs::path& file, const Labels& labels, const Fram
           .all = !others};
 }
 
-template <class Labels, class Key>
-FileLabels to_frames(const fs::path& file, Labels labels, const Drive& drive, const Key& key) {
+template <class Labels, class Id>
+FileLabels to_frames(const fs::path& file, Labels labels, const Drive& drive, Id Frame::* id) {
   FileLabels out;
   out.frames.resize(drive.frames.size());
   std::size_t known = 0;  // the number of frames up to the last one in the file
   for (std::size_t i = 0; i < drive.frames.size(); ++i)
-    if (const auto found = labels.find(key(drive.frames[i])); found != labels.end())
+    if (const auto found = labels.find(drive.frames[i].*id); found != labels.end())
       out.frames[i] = std::move(found->second), known = i + 1;
   if (labels.empty() || 20 * (drive.frames.size() - known) <= drive.frames.size()) return out;
   out.frames_after_last.what = fmt::format("{} ends early: it has no labels for frames", file.filename().string());
@@ -98,19 +98,25 @@ FileLabels to_frames(const fs::path& file, Labels labels, const Drive& drive, co
   return out;
 }
 
-template <class Labels, class Recorded, class Key>
-FileLabels match_frames(const fs::path& file, Labels labels, Recorded recorded, const Drive& drive, const Key& key) {
-  for (const Frame& frame : drive.frames) recorded.insert(key(frame));
-  UnknownFrames strays = find_strays(file, labels, recorded);
-  FileLabels out = to_frames(file, std::move(labels), drive, key);
+/// The identification of frames by their numbers or their names.
+template <class Id>
+struct FrameIds {
+  std::set<Id> recorded;  ///< of the whole recording
+  Id Frame::* of_frame;
+};
+
+template <class Labels, class Id>
+FileLabels match_frames(const fs::path& file, Labels labels, const Drive& drive, FrameIds<Id> ids) {
+  for (const Frame& frame : drive.frames) ids.recorded.insert(frame.*ids.of_frame);
+  UnknownFrames strays = find_strays(file, labels, ids.recorded);
+  FileLabels out = to_frames(file, std::move(labels), drive, ids.of_frame);
   out.warnings = std::move(strays.warnings);
   out.has_only_unknown_frames = strays.all;
   return out;
 }
 
 FileLabels to_frames_by_number(const fs::path& file, LabelsByNumber labels, const Drive& drive) {
-  return match_frames(file, std::move(labels), list_recorded_numbers(drive), drive,
-                      [](const Frame& frame) { return frame.number; });
+  return match_frames(file, std::move(labels), drive, FrameIds<int>{list_recorded_numbers(drive), &Frame::number});
 }
 
 // Warns of frames that a file with a list of its images does not list. Those after the last one are reported separately.
@@ -129,8 +135,8 @@ void warn_of_unlisted(const fs::path& file, const std::set<std::string>& listed,
 FileLabels to_frames_by_name(const fs::path& file, NamedLabels labels, const Drive& drive) {
   std::set<std::string> listed;
   for (const auto& [name, list] : labels.frames) listed.insert(name);
-  FileLabels out = match_frames(file, std::move(labels.frames), list_recorded_names(drive), drive,
-                                [](const Frame& frame) { return frame.name; });
+  FileLabels out =
+      match_frames(file, std::move(labels.frames), drive, FrameIds<std::string>{list_recorded_names(drive), &Frame::name});
   out.warnings.insert(out.warnings.end(), labels.warnings.begin(), labels.warnings.end());
   warn_of_unlisted(file, listed, drive, out);
   return out;

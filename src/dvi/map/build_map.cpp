@@ -20,11 +20,11 @@ struct RemovedVoxel {
 
 /// The sums over all scans before carving.
 struct ScanSums {
-  ScanSums(double edge, const std::shared_ptr<Scratch>& scratch) : voxels(edge, scratch), removed(edge, scratch) {}
+  ScanSums(double edge, const std::shared_ptr<Scratch>& scratch)
+      : observed{MapVoxels(edge, scratch), {}}, removed(edge, scratch) {}
 
-  MapVoxels voxels;
+  ObservedVoxels observed;
   VoxelGrid<RemovedVoxel> removed;
-  std::vector<MapScan> scans;
   MapCounts counts;
 
   void add(const FilteredScan& scan, std::size_t drive, std::int64_t time_ns);
@@ -47,6 +47,7 @@ void ScanSums::add(const FilteredScan& scan, std::size_t drive, std::int64_t tim
     voxel.cause = std::max(voxel.cause, point.cause);
   }
   if (!scan.sensor) return;
+  auto& [voxels, scans] = observed;
   const auto number = static_cast<std::uint32_t>(scans.size());
   scans.push_back({drive, time_ns, *scan.sensor});
   for (const FilteredScan::Kept& point : scan.kept) {
@@ -69,7 +70,7 @@ void gather(const std::vector<MapInput>& inputs, const MapOptions& options, Scan
         all.add(filtered[i], drive, scan_headers[first + i].time_ns);
         tick();
       }
-      all.voxels.page_out();
+      all.observed.voxels.page_out();
     });
   }
 }
@@ -108,13 +109,13 @@ void add_tile(const MapVoxels& voxels, const MapVoxels::Tile& tile, bool carve, 
 
 /// Moves the voxels into the map, tile by tile.
 void move_to_map(ScanSums& sums, bool carve, StaticMap& map) {
-  map.scans = sums.scans;
+  map.scans = sums.observed.scans;
   map.counts = sums.counts;
   std::size_t voxels = 0;
-  for (const auto& [column, tile] : sums.voxels.tiles()) voxels += tile.voxels.size();
+  for (const auto& [column, tile] : sums.observed.voxels.tiles()) voxels += tile.voxels.size();
   map.points.reserve(voxels);  // a growing vector would be in memory twice
-  for (auto& [column, tile] : sums.voxels.tiles()) {
-    add_tile(sums.voxels, tile, carve, map);
+  for (auto& [column, tile] : sums.observed.voxels.tiles()) {
+    add_tile(sums.observed.voxels, tile, carve, map);
     tile = MapVoxels::Tile(map.scratch());
     map.page_out();
   }
@@ -133,8 +134,8 @@ StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& optio
   gather(inputs, options, sums, begin("map", scans));
   for (std::size_t drive = 0; drive < inputs.size(); ++drive)
     if (!inputs[drive].drive->map.empty())
-      sums.counts.returns += add_given_points(inputs[drive], options, drive, sums.scans, sums.voxels);
-  if (options.carve) count_hits_and_passes(sums.voxels, inputs, options.pose_error_m, begin("carve", scans));
+      sums.counts.returns += add_given_points(inputs[drive], options, drive, sums.observed);
+  if (options.carve) count_hits_and_passes(sums.observed.voxels, inputs, options.pose_error_m, begin("carve", scans));
   begin("normals", 0);
   move_to_map(sums, options.carve, map);
   add_normals(map);

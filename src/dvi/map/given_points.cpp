@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <unordered_map>
+#include <vector>
 
 namespace dvi::map {
 namespace {
@@ -68,8 +69,8 @@ std::vector<Eigen::Vector3f> list_sensors(const std::vector<MapScan>& scans) {
 
 }  // namespace
 
-std::size_t add_given_points(const MapInput& input, const MapOptions& options, std::size_t drive, std::vector<MapScan>& scans,
-                             MapVoxels& voxels) {
+std::size_t add_given_points(const MapInput& input, const MapOptions& options, std::size_t drive, ObservedVoxels& sums) {
+  auto& [voxels, scans] = sums;
   const std::vector<MapScan> path = make_empty_scans(*input.drive, input.world_from_lidar, drive);
   const PathIndex near(list_sensors(path), get_max_range_m(*input.drive, options));
   const std::size_t first = scans.size();

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <vector>
+#include <cstddef>
 
 #include "dvi/map/build_map.h"
 #include "dvi/map/map_voxel.h"
@@ -9,8 +9,7 @@ namespace dvi::map {
 
 /// Adds the points of the map that a drive brings to the voxels, within the range of scans from its path. Adds a scan without
 /// returns for each frame, because each point refers to the scan that observed it. Returns the number of points added.
-std::size_t add_given_points(const MapInput& input, const MapOptions& options, std::size_t drive, std::vector<MapScan>& scans,
-                             MapVoxels& voxels);
+std::size_t add_given_points(const MapInput& input, const MapOptions& options, std::size_t drive, ObservedVoxels& sums);
 
 /// How many points of that map are within the range of scans from the path.
 struct GivenCoverage {

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include <Eigen/Core>
 
+#include "dvi/map/static_map.h"
 #include "dvi/map/voxel_grid.h"
 
 namespace dvi::map {
@@ -19,6 +21,12 @@ struct MapVoxel {
 };
 
 using MapVoxels = VoxelGrid<MapVoxel>;
+
+/// The voxels of a map, and the scans to which they refer.
+struct ObservedVoxels {
+  MapVoxels voxels;
+  std::vector<MapScan> scans;
+};
 
 /// Returns the mean of the returns of a voxel, in the world.
 inline Eigen::Vector3d compute_mean(const MapVoxels& grid, const Eigen::Vector3i& index, const MapVoxel& voxel) {

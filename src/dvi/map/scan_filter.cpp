@@ -67,7 +67,7 @@ class ScanFilter {
       else if ((labels && labels->values[i] != 0) || (nearest && is_boxed(*nearest, world[i])))
         drop(world[i], Cause::boxed, out.counts.boxed, out);
       else
-        judge(world[i], scan->intensity[i], nearest, more, out);
+        judge({world[i], scan->intensity[i]}, nearest, more, out);
     }
     return out;
   }
@@ -83,17 +83,17 @@ class ScanFilter {
     out.removed.push_back({point.cast<float>(), cause});
   }
 
-  void judge(const Eigen::Vector3d& point, float intensity, const std::optional<NearestFrame>& nearest,
-             const std::vector<NearestFrame>& more, FilteredScan& out) const {
-    InImage observation = nearest ? in_image(point, *nearest) : InImage::unseen;
+  void judge(const FilteredScan::Kept& point, const std::optional<NearestFrame>& nearest, const std::vector<NearestFrame>& more,
+             FilteredScan& out) const {
+    InImage observation = nearest ? in_image(point.position, *nearest) : InImage::unseen;
     for (const NearestFrame& other : more)
-      if (observation != InImage::background) observation = std::max(observation, in_image(point, other));
+      if (observation != InImage::background) observation = std::max(observation, in_image(point.position, other));
     if (observation == InImage::removed)
-      drop(point, Cause::masked, out.counts.masked, out);
+      drop(point.position, Cause::masked, out.counts.masked, out);
     else if (observation == InImage::unseen && options_.require_camera_visibility)
       ++out.counts.unseen_by_camera;
     else
-      out.kept.push_back({point, intensity});
+      out.kept.push_back(point);
   }
 
   const MapInput& input_;

@@ -11,13 +11,19 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 // The format is that of numpy/lib/format.py: magic, version, length of the header, header, numbers.
-std::string array(const std::string& type, const std::string& shape, const std::string& numbers, int version = 1,
-                  const std::string& order = "False") {
-  std::string header = "{'descr': '" + type + "', 'fortran_order': " + order + ", 'shape': " + shape + ", }";
+struct NumpyHeader {
+  int version = 1;
+  std::string fortran_order = "False";
+};
+
+std::string array(const std::string& type, const std::string& shape, const std::string& numbers,
+                  const NumpyHeader& format = {}) {
+  std::string header = "{'descr': '" + type + "', 'fortran_order': " + format.fortran_order + ", 'shape': " + shape + ", }";
   header.resize(117, ' ');
   header += '\n';
-  std::string out = std::string("\x93NUMPY") + static_cast<char>(version) + '\0' + static_cast<char>(header.size()) + '\0';
-  if (version > 1) out += std::string(2, '\0');
+  std::string out =
+      std::string("\x93NUMPY") + static_cast<char>(format.version) + '\0' + static_cast<char>(header.size()) + '\0';
+  if (format.version > 1) out += std::string(2, '\0');
   return out + header + numbers;
 }
 
@@ -42,8 +48,8 @@ TEST(NumpyFile, ReadsAllTypesOfNumbers) {
   EXPECT_EQ(parse(array("<i2", "(2, 3)", bytes<std::int16_t>({-7, 1, 2, 3, 4, 5}))), expected);
   EXPECT_EQ(parse(array("<u4", "(2, 3)", bytes<std::uint32_t>({0, 1, 2, 3, 4, 5}))), expected);
   EXPECT_EQ(parse(array("<i4", "(2, 3)", bytes<std::int32_t>({-1, 1, 2, 3, 4, 5}))), expected);
-  EXPECT_EQ(parse(array("<i8", "(2, 3)", bytes<std::int64_t>({-1, 1, 2, 3, 4, 5}), 2)), expected);
-  EXPECT_EQ(parse(array("<u8", "(2, 3)", bytes<std::uint64_t>({0, 1, 2, 3, 4, 5}), 3)), expected);
+  EXPECT_EQ(parse(array("<i8", "(2, 3)", bytes<std::int64_t>({-1, 1, 2, 3, 4, 5}), {2})), expected);
+  EXPECT_EQ(parse(array("<u8", "(2, 3)", bytes<std::uint64_t>({0, 1, 2, 3, 4, 5}), {3})), expected);
   EXPECT_EQ(parse(array("<f4", "(1, 2, 3)", bytes<float>({0, 1, 2, 3, 4, 5}))), expected);
   EXPECT_EQ(parse(array("<f8", "(2, 3, 1)", bytes<double>({-1, 1, 2, 3, 4, 5}))), expected);
   EXPECT_EQ(parse(array("|b1", "(2, 3)", bytes<std::uint8_t>({0, 1, 0, 0, 1, 1}))), (std::vector<int>{0, 255, 0, 0, 255, 255}));
@@ -54,7 +60,8 @@ TEST(NumpyFile, ReadsAllTypesOfNumbers) {
 TEST(NumpyFile, RefusesOtherArrays) {
   const auto error = [](const std::string& text) { return input_error([&] { parse_numpy("a.npy", text, {3, 2}); }); };
   const std::string six(6, '\1');
-  EXPECT_THAT(error(array("|u1", "(2, 3)", six, 1, "True")), AllOf(HasSubstr("Fortran order"), HasSubstr("ascontiguousarray")));
+  EXPECT_THAT(error(array("|u1", "(2, 3)", six, {1, "True"})),
+              AllOf(HasSubstr("Fortran order"), HasSubstr("ascontiguousarray")));
   EXPECT_THAT(error(array("|O", "(2, 3)", six)), AllOf(HasSubstr("type '|O'"), HasSubstr("np.save")));
   EXPECT_THAT(error(array(">u2", "(2, 3)", six + six)), HasSubstr("type '>u2'"));
   EXPECT_THAT(error(array("|u1", "(3, 2)", six)), HasSubstr("is 2x3 pixels instead of 3x2"));
@@ -68,7 +75,7 @@ TEST(NumpyFile, RefusesOtherArrays) {
   EXPECT_THAT(error(array("<u4", "(2, 3)", bytes<std::uint32_t>({0, 70000, 0, 0, 0, 0}))), HasSubstr("at most 65535"));
   for (const char* text : {"", "\x93NUMPY", "\x93NUMPY\1", "PNG", "\x93NUMPY\1\1\xFF\xFF{'descr"})
     EXPECT_THAT(error(text), HasSubstr("is not an array of NumPy"));
-  EXPECT_THAT(error(array("|u1", "(2, 3)", six, 9)), HasSubstr("is not an array of NumPy"));
+  EXPECT_THAT(error(array("|u1", "(2, 3)", six, {9})), HasSubstr("is not an array of NumPy"));
 }
 
 }  // namespace

@@ -57,10 +57,15 @@ inline std::uint8_t predict(std::uint8_t left, std::uint8_t above, std::uint8_t 
   return to_left <= to_above && to_left <= to_corner ? left : other;
 }
 
-/// Filters a row. `row` and `above` are preceded by a pixel of zeros. Returns the sum of the residuals' magnitudes, which
-/// approximates the compressed size.
-int filter_row(Filter filter, const std::uint8_t* row, const std::uint8_t* above, int pixel, int size,
-               std::uint8_t* __restrict out) {
+/// A row of an image and the one above it, each preceded by a pixel of zeros. Sizes are in bytes.
+struct PixelRow {
+  const std::uint8_t *row, *above;
+  int pixel, size;
+};
+
+/// Filters a row. Returns the sum of the residuals' magnitudes, which approximates the compressed size.
+int filter_row(Filter filter, const PixelRow& unfiltered, std::uint8_t* __restrict out) {
+  const auto [row, above, pixel, size] = unfiltered;
   const std::uint8_t *left = row - pixel, *corner = above - pixel;
   if (filter == none) std::copy_n(row, size, out);
   if (filter == sub)
@@ -90,9 +95,10 @@ std::vector<std::uint8_t> filter_rows(const cv::Mat& image) {
     to_file_order(image, y, row.data() + pixel);
     const bool empty = std::memcmp(row.data(), zeros.data(), row.size()) == 0;
     if (!empty || !empty_above) {
-      int least = filter_row(none, row.data() + pixel, above.data() + pixel, pixel, size, to + 1);
+      const PixelRow unfiltered{row.data() + pixel, above.data() + pixel, pixel, size};
+      int least = filter_row(none, unfiltered, to + 1);
       for (const Filter filter : {sub, up, paeth}) {
-        const int cost = filter_row(filter, row.data() + pixel, above.data() + pixel, pixel, size, attempt.data());
+        const int cost = filter_row(filter, unfiltered, attempt.data());
         if (cost >= least) continue;
         least = cost;
         to[0] = filter;

@@ -7,8 +7,15 @@
 namespace dvi::objects {
 namespace {
 
-// Makes a track of the returns on the side of a car in scans [first, last), from [from, to) meters along the car.
-Track make_track(std::size_t first, std::size_t last, double from, double to, double speed_mps = 8) {
+// The returns on the side of a car in scans [first, last), from [from, to) meters along the car.
+struct SideOfCar {
+  std::size_t first, last;
+  double from, to;
+  double speed_mps = 8;
+};
+
+Track make_track(const SideOfCar& side) {
+  const auto [first, last, from, to, speed_mps] = side;
   Track track;
   for (std::size_t scan = first; scan < last; ++scan) {
     Cluster cluster;
@@ -29,7 +36,7 @@ Track make_track(std::size_t first, std::size_t last, double from, double to, do
 }
 
 TEST(MergeTracks, MergesTracksOfOneCarThatWasLostAndFoundAgain) {
-  const std::vector<Track> tracks = merge_duplicates({make_track(0, 12, 0, 2.5), make_track(6, 20, 1, 4)});
+  const std::vector<Track> tracks = merge_duplicates({make_track({0, 12, 0, 2.5}), make_track({6, 20, 1, 4})});
   ASSERT_EQ(tracks.size(), 1U);
   const std::vector<Cluster>& observations = tracks.front().observations;
   ASSERT_EQ(observations.size(), 20U);
@@ -42,10 +49,10 @@ TEST(MergeTracks, MergesTracksOfOneCarThatWasLostAndFoundAgain) {
 }
 
 TEST(MergeTracks, SeparatesTracksWithFewCommonReturnsOrScans) {
-  EXPECT_EQ(merge_duplicates({make_track(0, 20, 0, 2.5), make_track(0, 20, 2, 4)}).size(), 2U) << "bumper to bumper";
-  EXPECT_EQ(merge_duplicates({make_track(0, 20, 0, 4), make_track(0, 20, 0, 4, 7.9)}).size(), 2U) << "same place at first";
-  EXPECT_EQ(merge_duplicates({make_track(0, 10, 0, 4), make_track(8, 20, 0, 4)}).size(), 2U) << "two scans are too few";
-  EXPECT_EQ(merge_duplicates({make_track(0, 5, 0, 4), make_track(9, 20, 0, 4), Track{}}).size(), 3U);
+  EXPECT_EQ(merge_duplicates({make_track({0, 20, 0, 2.5}), make_track({0, 20, 2, 4})}).size(), 2U) << "bumper to bumper";
+  EXPECT_EQ(merge_duplicates({make_track({0, 20, 0, 4}), make_track({0, 20, 0, 4, 7.9})}).size(), 2U) << "same place at first";
+  EXPECT_EQ(merge_duplicates({make_track({0, 10, 0, 4}), make_track({8, 20, 0, 4})}).size(), 2U) << "two scans are too few";
+  EXPECT_EQ(merge_duplicates({make_track({0, 5, 0, 4}), make_track({9, 20, 0, 4}), Track{}}).size(), 3U);
 }
 
 }  // namespace

@@ -30,54 +30,67 @@ struct ObjectPixels {
   std::optional<FrameResidue> residue;
 };
 
-// Returns the labels in a frame that show removed objects: those of the sources, and the parts of other objects that masks
-// show.
-std::vector<Label> collect_labels(const CameraEvidence& evidence, const CameraObjects& objects, std::size_t frame) {
-  std::vector<Label> out;
-  std::set<int> tracks;
-  for (const Label& label : (*objects.labels)[frame]) {
-    if (!evidence.has(label.source)) continue;
-    out.push_back(label);
-    tracks.insert(label.track);
-  }
-  if (!evidence.has(MaskSource::files)) return out;  // labels of other sources show their objects themselves
-  for (const Label& label : (*objects.shown)[frame]) {
-    if (tracks.contains(label.track)) continue;
-    out.push_back(label);
-    out.back().source = MaskSource::files;
-  }
-  return out;
-}
+// Measures the removed objects of a camera in its frames and, if there is one, in a result.
+class ObjectMeasurement {
+ public:
+  ObjectMeasurement(const CameraEvidence& evidence, const CameraObjects& objects, const MaskOptions& options,
+                    const ReadResult& read_result)
+      : evidence_(evidence), objects_(objects), options_(options), read_result_(read_result) {}
 
-std::map<int, ObjectPixels> measure_frame(const CameraEvidence& evidence, const CameraObjects& objects, std::size_t frame,
-                                          const MaskOptions& options, const ReadResult& read_result) {
-  std::map<int, ObjectPixels> out;
-  std::map<int, cv::Mat1b> silhouettes;
-  const bool dilates_completed = evidence.has(MaskSource::labels);
-  const auto add = [&](const std::vector<Label>& labels, bool completed) {
-    for (const Label& label : labels) {
-      if (label.track < 0) continue;
-      const cv::Mat1b silhouette = draw_label(label, evidence.drive.camera, evidence.drive.camera_from_lidar, options);
-      const bool is_dilated = completed ? dilates_completed : label.source == MaskSource::labels;
-      const auto pixels =
-          static_cast<std::size_t>(cv::countNonZero(is_dilated ? grown(silhouette, options.label_dilation_px()) : silhouette));
-      if (pixels == 0) continue;
-      cv::Mat1b& whole = silhouettes[label.track];
-      whole = whole.empty() ? silhouette : cv::Mat1b(whole | silhouette);
-      ObjectPixels& object = out[label.track];
-      object.pixels += pixels;
-      object.completed = object.completed || completed;
-      if (object.type.empty()) object.type = label.type;
-      if (!completed) object.evidence.insert(label.source);
+  std::map<int, ObjectPixels> measure(std::size_t frame) const {
+    std::map<int, ObjectPixels> out;
+    std::map<int, cv::Mat1b> silhouettes;
+    const bool dilates_completed = evidence_.has(MaskSource::labels);
+    const auto add = [&](const std::vector<Label>& labels, bool completed) {
+      for (const Label& label : labels) {
+        if (label.track < 0) continue;
+        const cv::Mat1b silhouette = draw_label(label, evidence_.drive.camera, evidence_.drive.camera_from_lidar, options_);
+        const bool is_dilated = completed ? dilates_completed : label.source == MaskSource::labels;
+        const auto pixels = static_cast<std::size_t>(
+            cv::countNonZero(is_dilated ? grown(silhouette, options_.label_dilation_px()) : silhouette));
+        if (pixels == 0) continue;
+        cv::Mat1b& whole = silhouettes[label.track];
+        whole = whole.empty() ? silhouette : cv::Mat1b(whole | silhouette);
+        ObjectPixels& object = out[label.track];
+        object.pixels += pixels;
+        object.completed = object.completed || completed;
+        if (object.type.empty()) object.type = label.type;
+        if (!completed) object.evidence.insert(label.source);
+      }
+    };
+    add(collect_labels(frame), false);
+    add((*objects_.completed)[frame], true);
+    if (out.empty() || !read_result_) return out;
+    if (const std::optional<ResultImages> images = read_result_(frame))
+      for (auto& [number, object] : out) object.residue = measure_residue(*images, silhouettes[number]);
+    return out;
+  }
+
+ private:
+  // Returns the labels in a frame that show removed objects: those of the sources, and the parts of other objects that masks
+  // show.
+  std::vector<Label> collect_labels(std::size_t frame) const {
+    std::vector<Label> out;
+    std::set<int> tracks;
+    for (const Label& label : (*objects_.labels)[frame]) {
+      if (!evidence_.has(label.source)) continue;
+      out.push_back(label);
+      tracks.insert(label.track);
     }
-  };
-  add(collect_labels(evidence, objects, frame), false);
-  add((*objects.completed)[frame], true);
-  if (out.empty() || !read_result) return out;
-  if (const std::optional<ResultImages> images = read_result(frame))
-    for (auto& [number, object] : out) object.residue = measure_residue(*images, silhouettes[number]);
-  return out;
-}
+    if (!evidence_.has(MaskSource::files)) return out;  // labels of other sources show their objects themselves
+    for (const Label& label : (*objects_.shown)[frame]) {
+      if (tracks.contains(label.track)) continue;
+      out.push_back(label);
+      out.back().source = MaskSource::files;
+    }
+    return out;
+  }
+
+  const CameraEvidence& evidence_;
+  const CameraObjects& objects_;
+  const MaskOptions& options_;
+  const ReadResult& read_result_;
+};
 
 // Adds a frame to the residue of an object.
 void add_residue(const FrameResidue& found, int frame, std::optional<ObjectResidue>& residue) {
@@ -156,8 +169,8 @@ std::vector<RemovedObject> list_removed_objects(const CameraEvidence& evidence, 
                                                 const MaskOptions& options, const ReadResult& read_result) {
   const std::vector<Frame>& frames = evidence.drive.frames;
   std::vector<std::map<int, ObjectPixels>> measured(frames.size());
-  parallel_in_order(measured.size(),
-                    [&](std::size_t i) { measured[i] = measure_frame(evidence, objects, i, options, read_result); });
+  const ObjectMeasurement measurement(evidence, objects, options, read_result);
+  parallel_in_order(measured.size(), [&](std::size_t i) { measured[i] = measurement.measure(i); });
   std::map<int, RemovedObject> list;
   for (std::size_t i = 0; i < frames.size(); ++i)
     for (const auto& [number, shown] : measured[i]) {

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
+#include <utility>
 
 #include "dvi/core/median.h"
 #include "dvi/drive/nearest_in_time.h"
+#include "dvi/objects/assign_tracks.h"
 #include "dvi/objects/seconds.h"
 
 namespace dvi::objects {
@@ -135,21 +136,18 @@ bool is_moving_object(const Track& track) {
 }
 
 void Tracker::add(std::vector<Cluster> clusters) {
-  std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;  // miss, track, cluster
+  std::vector<TrackCandidate> candidates;
   for (std::size_t t = 0; t < active_.size(); ++t)
     for (std::size_t c = 0; c < clusters.size(); ++c)
-      if (const auto miss = measure_miss(active_[t], clusters[c])) pairs.emplace_back(*miss, t, c);
-  std::sort(pairs.begin(), pairs.end());
-  std::vector<bool> track_taken(active_.size()), cluster_taken(clusters.size());
-  for (const auto& [miss, t, c] : pairs) {
-    if (track_taken[t] || cluster_taken[c]) continue;
-    track_taken[t] = cluster_taken[c] = true;
-    active_[t].observations.push_back(clusters[c]);
-  }
+      if (const auto miss = measure_miss(active_[t], clusters[c])) candidates.push_back({*miss, t, c});
+  const std::vector<std::optional<std::size_t>> track_of = assign_tracks(std::move(candidates), clusters.size());
   std::int64_t now = 0;
   for (std::size_t c = 0; c < clusters.size(); ++c) {
     now = std::max(now, clusters[c].mean_time_ns);
-    if (!cluster_taken[c]) active_.push_back({{std::move(clusters[c])}});
+    if (track_of[c])
+      active_[*track_of[c]].observations.push_back(std::move(clusters[c]));
+    else
+      active_.push_back({{std::move(clusters[c])}});
   }
   const auto ended = std::stable_partition(active_.begin(), active_.end(), [&](const Track& track) {
     return seconds_between(track.observations.back().mean_time_ns, now) < kTracking.max_gap_s;

@@ -127,18 +127,34 @@ class LoopSearch {
   LoopSearch(const Drive& drive, const OdometryOptions& options, const PosedScans& scans, const LoopParams& params)
       : drive_(drive), options_(options), scans_(scans), params_(params) {}
 
+  std::vector<Loop> find_loops(const Tick& tick) const {
+    std::vector<Loop> loops;
+    EarlierPoses earlier_poses(scans_, params_);
+    double next = params_.min_path_m;
+    for (std::size_t i = 0; i < scans_.size(); ++i) {
+      tick();
+      if (scans_.path_m[i] < next) continue;
+      const std::optional<std::size_t> earlier = earlier_poses.find_nearest(i);
+      if (!earlier) continue;
+      next = scans_.path_m[i] + params_.candidate_step_m;
+      if (std::optional<Loop> loop = try_pair(*earlier, i)) loops.push_back(*loop);
+    }
+    return loops;
+  }
+
+ private:
   /// Returns the loop between two poses if their scans fit together.
-  std::optional<Loop> try_pair(std::size_t earlier, std::size_t later) {
+  std::optional<Loop> try_pair(std::size_t earlier, std::size_t later) const {
     scan_match::LocalMaps place = build_map_around(earlier, later);
-    const Fit own = register_features(features(earlier).sparse, {}, earlier, place, 0);
+    const Fit own = register_features(features(earlier).sparse, {{}, scans_.twist[earlier]}, place, 0);
     if (own.share < kLoopCheck.min_own_share) return std::nullopt;
     const SE3 motion = scans_.pose[earlier].inverse() * scans_.pose[later];
     const SE3 guess = params_.is_level ? level(motion) : motion;
     const double radius = predict_error_m(scans_.path_m[later] - scans_.path_m[earlier], params_);
     const scan_match::Features sparse = features(later).sparse;
     Fit best;
-    for (const SE3& start : select_starts(sparse, later, guess, radius, place)) {
-      const Fit found = register_features(sparse, start, later, place, 8);
+    for (const scan_match::ScanGuess& start : select_starts(sparse, {guess, scans_.twist[later]}, radius, place)) {
+      const Fit found = register_features(sparse, start, place, 8);
       if (found.share > best.share) best = found;
     }
     const SE3& pose = best.registration.world_from_lidar;
@@ -147,7 +163,6 @@ class LoopSearch {
     return Loop{earlier, later, pose, best.registration.information};
   }
 
- private:
   scan_match::ScanFeatures features(std::size_t i) const {
     const std::shared_ptr<const Scan> scan = drive_.scans[scans_.scan_index[i]];
     return scan_match::extract_scan_features(drive_, *scan, scan_match::find_scan_rings(drive_, *scan), options_);
@@ -169,16 +184,15 @@ class LoopSearch {
     return scene;
   }
 
-  Fit register_features(const scan_match::Features& sparse, const SE3& guess, std::size_t i, scan_match::LocalMaps& place,
+  Fit register_features(const scan_match::Features& sparse, const scan_match::ScanGuess& guess, scan_match::LocalMaps& place,
                         int coarse_iterations) const {
     scan_match::RegisterOptions options = scan_match::to_register_options(options_);
     options.coarse_iterations = coarse_iterations;
     options.iterations += coarse_iterations;
     options.prior_m = 1;
     Fit out;
-    out.registration = scan_match::register_scan(sparse, guess, scans_.twist[i], {}, 0, place, options);
-    out.share = scan_match::compute_scene_share(sparse, scans_.twist[i], out.registration.world_from_lidar, place,
-                                                kLoopCheck.surface_noise * options_.noise_m);
+    out.registration = scan_match::register_scan(sparse, guess, place, options);
+    out.share = scan_match::compute_scene_share(sparse, out.registration, place, kLoopCheck.surface_noise * options_.noise_m);
     return out;
   }
 
@@ -188,16 +202,16 @@ class LoopSearch {
   }
 
   /// Selects the poses on a grid around the guess at which most features lie on large planes and lines.
-  std::vector<SE3> select_starts(const scan_match::Features& sparse, std::size_t later, const SE3& guess, double radius,
-                                 scan_match::LocalMaps& place) const {
+  std::vector<scan_match::ScanGuess> select_starts(const scan_match::Features& sparse, const scan_match::ScanGuess& guess,
+                                                   double radius, scan_match::LocalMaps& place) const {
     struct Start {
       double score;
       SE3 pose;
     };
     std::vector<Eigen::Vector3d> planes, edges;
     for (std::size_t k = 0; k < sparse.planes.size(); k += kLoopStart.feature_step)
-      planes.push_back(scan_match::compensate(sparse.planes[k], scans_.twist[later]));
-    for (const scan_match::Feature& edge : sparse.edges) edges.push_back(scan_match::compensate(edge, scans_.twist[later]));
+      planes.push_back(scan_match::compensate(sparse.planes[k], guess.twist));
+    for (const scan_match::Feature& edge : sparse.edges) edges.push_back(scan_match::compensate(edge, guess.twist));
     std::vector<Start> all;
     const int cells = static_cast<int>(radius / params_.grid_step_m),
               turns = static_cast<int>(kLoopStart.max_turn_rad / kLoopStart.turn_step_rad);
@@ -206,14 +220,14 @@ class LoopSearch {
       for (int y = -cells; y <= cells; ++y)
         for (int z = -rise; z <= rise; ++z)
           for (int turn = -turns; turn <= turns && x * x + y * y + z * z <= cells * cells; ++turn) {
-            SE3 pose = guess;
+            SE3 pose = guess.world_from_lidar;
             pose.t += params_.grid_step_m * Eigen::Vector3d(x, y, z);
             pose.R = so3_exp({0, 0, kLoopStart.turn_step_rad * turn}) * pose.R;
             all.push_back({score(planes, pose, 1, place.coarse) + score(edges, pose, 2, place.edges), pose});
           }
     std::stable_sort(all.begin(), all.end(), [](const Start& a, const Start& b) { return a.score > b.score; });
-    std::vector<SE3> out{guess};
-    for (std::size_t k = 0; k < std::min(kLoopStart.best_starts, all.size()); ++k) out.push_back(all[k].pose);
+    std::vector<scan_match::ScanGuess> out{guess};
+    for (std::size_t k = 0; k < std::min(kLoopStart.best_starts, all.size()); ++k) out.push_back({all[k].pose, guess.twist});
     return out;
   }
 
@@ -235,7 +249,7 @@ class LoopSearch {
     std::size_t k = later;
     while (k > 0 && scans_.path_m[later] - scans_.path_m[k] < params_.check_path_m) --k;
     const SE3 expected = found * (scans_.pose[later].inverse() * scans_.pose[k]);
-    const Fit other = register_features(features(k).sparse, expected, k, place, 4);
+    const Fit other = register_features(features(k).sparse, {expected, scans_.twist[k]}, place, 4);
     const SE3 off = expected.inverse() * other.registration.world_from_lidar;
     return is_good(other, own) && off.t.norm() < kLoopCheck.max_difference_noise * options_.noise_m &&
            so3_log(off.R).norm() < kLoopCheck.max_difference_rad;
@@ -247,34 +261,18 @@ class LoopSearch {
   const LoopParams& params_;
 };
 
-std::vector<Loop> find_loops(const Drive& drive, const OdometryOptions& options, const PosedScans& scans,
-                             const LoopParams& params, const Tick& tick) {
-  LoopSearch search(drive, options, scans, params);
-  std::vector<Loop> loops;
-  EarlierPoses earlier_poses(scans, params);
-  double next = params.min_path_m;
-  for (std::size_t i = 0; i < scans.size(); ++i) {
-    tick();
-    if (scans.path_m[i] < next) continue;
-    const std::optional<std::size_t> earlier = earlier_poses.find_nearest(i);
-    if (!earlier) continue;
-    next = scans.path_m[i] + params.candidate_step_m;
-    if (std::optional<Loop> loop = search.try_pair(*earlier, i)) loops.push_back(*loop);
-  }
-  return loops;
-}
-
 }  // namespace
 
 std::vector<Loop> find_loops(const Drive& drive, const OdometryOptions& options, const Odometry& odometry, const Tick& tick) {
   const LoopParams params = get_params(drive);
-  return find_loops(drive, options, list_posed_scans(odometry, params), params, tick);
+  const PosedScans scans = list_posed_scans(odometry, params);
+  return LoopSearch(drive, options, scans, params).find_loops(tick);
 }
 
 void close_loops(const Drive& drive, const OdometryOptions& options, Odometry& odometry, const Tick& tick) {
   const LoopParams params = get_params(drive);
   const PosedScans scans = list_posed_scans(odometry, params);
-  const std::vector<Loop> loops = find_loops(drive, options, scans, params, tick);
+  const std::vector<Loop> loops = LoopSearch(drive, options, scans, params).find_loops(tick);
   if (loops.empty()) return;
   std::vector<scan_match::PoseEdge> edges;
   for (std::size_t i = 1; i < scans.size(); ++i) {

@@ -91,8 +91,8 @@ class ScanTracker {
       ScanTracker fresh(*options_, *prior_);
       first.twist = fit.twist;
       fresh.add(first);
-      fit = scan_match::register_scan(second.features.sparse, fit.world_from_lidar, fit.twist, first.pose, round == 0 ? 0 : dt,
-                                      fresh.scene_, coarse);
+      fit = scan_match::register_scan(second.features.sparse,
+                                      {fit.world_from_lidar, fit.twist, first.pose, round == 0 ? 0 : dt}, fresh.scene_, coarse);
       if (round == 0) fit.twist = se3_log(fit.world_from_lidar) / dt;
       coarse.coarse_iterations = 0;
       *this = std::move(fresh);
@@ -111,8 +111,7 @@ class ScanTracker {
     options.keeps_guess = entry.given;
     scene_.remove(entry.features.dense, entry.pose, entry.twist);
     entry.twist = compute_twist(i);
-    entry.pose =
-        scan_match::register_scan(entry.features.sparse, entry.pose, entry.twist, {}, 0, scene_, options).world_from_lidar;
+    entry.pose = scan_match::register_scan(entry.features.sparse, {entry.pose, entry.twist}, scene_, options).world_from_lidar;
     entry.twist = compute_twist(i);
     scene_.add(entry.features.dense, entry.pose, entry.twist);
   }
@@ -133,7 +132,8 @@ class ScanTracker {
     options.keeps_guess = true;
     const SE3 guess = last().pose * *motion;
     const scan_match::Registration fit = scan_match::register_scan(
-        entry.features.sparse, guess, se3_log(*motion) / dt, last().pose, dt <= kOdometry.max_gap_s ? dt : 0, scene_, options);
+        entry.features.sparse, {guess, se3_log(*motion) / dt, last().pose, dt <= kOdometry.max_gap_s ? dt : 0}, scene_,
+        options);
     const bool agrees = is_near(guess, fit.world_from_lidar);
     if (agrees && is_near(guess, last().pose * se3_exp(last().twist * dt))) return fit;
     const double factor = agrees ? kOdometry.prior_factor : 1 / kOdometry.prior_factor;
@@ -144,8 +144,9 @@ class ScanTracker {
   scan_match::Registration register_with_constant_velocity(const WindowScan& entry) {
     const double dt = to_seconds(entry.time_ns - last().time_ns);
     const auto from = [&](double share, double within) {
-      return scan_match::register_scan(entry.features.sparse, last().pose * se3_exp(last().twist * dt * share), last().twist,
-                                       last().pose, within, scene_, scan_match::to_register_options(*options_));
+      return scan_match::register_scan(entry.features.sparse,
+                                       {last().pose * se3_exp(last().twist * dt * share), last().twist, last().pose, within},
+                                       scene_, scan_match::to_register_options(*options_));
     };
     if (dt <= kOdometry.max_gap_s) return from(1, dt);
     scan_match::Registration fit = from(1, 0);

@@ -68,7 +68,7 @@ TEST(RegisterScan, FindsAKnownMotion) {
   Vector6d away;
   away << 0.3, -0.2, 0.1, 0.01, -0.01, 0.03;
   scene.add(features, se3_exp(away), Vector6d::Zero());
-  const scan_match::Registration found = scan_match::register_scan(features, {}, Vector6d::Zero(), {}, 0, scene, {});
+  const scan_match::Registration found = scan_match::register_scan(features, {}, scene, {});
   EXPECT_LT((found.world_from_lidar.t - se3_exp(away).t).norm(), 0.01);
   EXPECT_LT(so3_log(found.world_from_lidar.R.transpose() * se3_exp(away).R).norm(), 5e-4);
   EXPECT_EQ(found.degenerate, 0);

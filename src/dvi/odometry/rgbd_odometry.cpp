@@ -157,8 +157,12 @@ class RgbdTracker {
     pose.information = compute_information_in_current(alignment, std::max(turn_rad_s(i), turn_rad_s(keys_[k].moment)));
   }
 
+  double get_step_s(std::size_t i) const {
+    return std::max(kTracking.min_step_s, to_seconds(moments_[i].time_ns - moments_[i - 1].time_ns));
+  }
+
   bool follow_track(std::size_t i, RgbdImage& image) {
-    const double dt = std::max(kTracking.min_step_s, to_seconds(moments_[i].time_ns - moments_[i - 1].time_ns));
+    const double dt = get_step_s(i);
     std::vector<SE3> steps{se3_exp(track_[i - 1].twist * dt), SE3()};
     if (const ThumbnailMatch turn = match(last_thumbnail_, make_thumbnail(image), kTracking.max_roll_deg);
         turn.correlation > kTracking.min_similarity)
@@ -169,7 +173,7 @@ class RgbdTracker {
       std::vector<SE3> starts;
       for (const SE3& step : steps) starts.push_back(key_from_last * step);
       Alignment found = align_from(k, image, starts);
-      correct_delay(i, k, found, image, dt);
+      correct_delay(i, k, found, image);
       if (!kReliable.accept(found)) return false;
       accept(i, k, found);
       return true;
@@ -187,10 +191,10 @@ class RgbdTracker {
   }
 
   /// Reads the image again if the depth was moved to the time of the color image by a motion that was predicted wrongly.
-  void correct_delay(std::size_t i, std::size_t k, Alignment& found, RgbdImage& image, double dt) {
+  void correct_delay(std::size_t i, std::size_t k, Alignment& found, RgbdImage& image) {
     const SE3 step =
         track_[i - 1].key_from_camera.inverse() * key_from_key(*track_[i - 1].key, k) * found.reference_from_current;
-    const Vector6d twist = se3_log(step) / dt;
+    const Vector6d twist = se3_log(step) / get_step_s(i);
     if (compute_delay_error_px(i, twist) < kTracking.max_delay_error_px || !kReliable.accept(found)) return;
     track_[i].depth_twist = twist;
     image = read(i, twist);

@@ -66,8 +66,7 @@ PlaceMatch verify(const KeyScans& a_keys, const KeyScans& b_keys, const PlaceFin
   options.coarse_iterations = 10;
   options.iterations = 30;
   options.prior_m = 1;
-  const scan_match::Registration fit =
-      scan_match::register_scan(b_scan.sparse, candidate.a_from_b, Vector6d::Zero(), {}, 0, scene, options);
+  const scan_match::Registration fit = scan_match::register_scan(b_scan.sparse, {candidate.a_from_b}, scene, options);
   const SE3 level_a_from_b = a.level_from_lidar * fit.world_from_lidar * b.level_from_lidar.inverse();
   PlaceMatch out{
       candidate.a, candidate.b, fit.world_from_lidar, check_landmarks(a.upright, transform(b.upright, level_a_from_b)), 0, 0};

@@ -57,9 +57,8 @@ SE3 estimate_motion(const KeyScans& keys, const SE3* new_poses, const std::vecto
 
 class DriveRegistration {
  public:
-  DriveRegistration(const DriveTrack& target, const std::vector<DriveTrack>& sources, const scan_match::MatchOptions& options,
-                    bool fix_target)
-      : target_(target), sources_(sources), options_(options), fix_target_(fix_target) {
+  DriveRegistration(const DriveTrack& target, const std::vector<DriveTrack>& sources, const scan_match::MatchOptions& options)
+      : target_(target), sources_(sources), options_(options) {
     out_.sources.resize(sources.size());
     placed_.push_back({0, {}, target.world_from_lidar, KeyScans(*target.drive, options, target.world_from_lidar), {}});
   }
@@ -103,7 +102,7 @@ class DriveRegistration {
     Placed now{i + 1, world_from_source, source.world_from_lidar.in(world_from_source), keys.transform(world_from_source), {}};
     PlacedKeys others;
     for (const Placed& p : placed_) others.push_back(&p.keys);
-    now.constraints = find_scan_constraints(others, now.keys, place->b, world_from_b, tick);
+    now.constraints = find_scan_constraints(others, now.keys, {place->b, world_from_b}, tick);
     if (now.constraints.size() < kDriveGraph.min_constraints) {
       out.overlap = static_cast<double>(now.constraints.size()) / static_cast<double>(keys.size());
       return false;
@@ -131,12 +130,12 @@ class DriveRegistration {
 
   /// Solves one pose graph over all placed drives, starting from their initial placements.
   void solve() {
-    std::vector<SE3> poses;
+    scan_match::PoseGraph graph;
+    auto& [poses, edges, weights] = graph;
     std::vector<std::size_t> first;  // node of each drive
-    std::vector<scan_match::PoseEdge> edges;
     for (const Placed& p : placed_) {
       first.push_back(poses.size());
-      const bool is_fixed = p.drive == 0 && fix_target_;
+      const bool is_fixed = p.drive == 0 && target_.is_fixed;
       for (std::size_t k = 0; k < p.keys.size(); ++k) {
         poses.push_back(p.keys[k].world_from_lidar);
         if (k == 0) continue;
@@ -151,33 +150,32 @@ class DriveRegistration {
       for (const ScanConstraint& c : placed_[p].constraints)
         edges.push_back({first[c.drive] + c.a, first[p] + c.b, c.a_from_b,
                          add_errors(c.information, kDriveGraph.constraint_sigma_m, kDriveGraph.constraint_sigma_rad), true});
-    const std::vector<double> weights = scan_match::solve_pose_graph(poses, edges);
+    weights = scan_match::solve_pose_graph(poses, edges);
     out_.target = deform(placed_[0].world_from_lidar, placed_[0].keys, poses.data());
     std::size_t next = steps;
     for (std::size_t p = 0; p < placed_.size(); next += placed_[p].constraints.size(), ++p)
-      if (p > 0) report(placed_[p], poses, edges, weights, first, next, p);
+      if (p > 0) report(placed_[p], graph, first[p], next);
   }
 
-  void report(const Placed& placed, const std::vector<SE3>& poses, const std::vector<scan_match::PoseEdge>& edges,
-              const std::vector<double>& weights, const std::vector<std::size_t>& first, std::size_t first_constraint,
-              std::size_t p) {
+  /// Reports a source drive, whose nodes and constraints in the graph begin at these indices.
+  void report(const Placed& placed, const scan_match::PoseGraph& graph, std::size_t first_node, std::size_t first_constraint) {
     PlacementFigures& out = out_.sources[placed.drive - 1].figures;
     std::vector<std::size_t> inliers, edge;
     double squares = 0;
     for (std::size_t k = 0; k < placed.constraints.size(); ++k) {
-      if (weights[first_constraint + k] < kDriveGraph.min_inlier_weight) continue;
+      if (graph.weights[first_constraint + k] < kDriveGraph.min_inlier_weight) continue;
       inliers.push_back(placed.constraints[k].b);
       edge.push_back(first_constraint + k);
       squares += placed.constraints[k].residual_m * placed.constraints[k].residual_m;
     }
-    const SE3* new_poses = poses.data() + first[p];
+    const SE3* new_poses = graph.world_from_body.data() + first_node;
     out_.sources[placed.drive - 1].world_from_lidar = deform(placed.world_from_lidar, placed.keys, new_poses);
     out.overlap = static_cast<double>(inliers.size()) / static_cast<double>(placed.keys.size());
     if (inliers.empty()) return;
     out.residual_m = std::sqrt(squares / static_cast<double>(inliers.size()));
     out.target_from_source = estimate_motion(placed.keys, new_poses, inliers) * placed.world_from_source;
-    const scan_match::PoseEdge& middle = edges[edge[edge.size() / 2]];
-    const Matrix6d covariance = scan_match::compute_relative_covariance(poses, edges, weights, middle.a, middle.b);
+    const scan_match::PoseEdge& middle = graph.edges[edge[edge.size() / 2]];
+    const Matrix6d covariance = scan_match::compute_relative_covariance(graph, middle.a, middle.b);
     const auto bound = [&](int at) {
       const Eigen::Matrix3d part = covariance.block<3, 3>(at, at);
       return std::sqrt(kChiSquared95 * Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(part).eigenvalues().maxCoeff());
@@ -189,7 +187,6 @@ class DriveRegistration {
   const DriveTrack& target_;
   const std::vector<DriveTrack>& sources_;
   const scan_match::MatchOptions options_;
-  const bool fix_target_;
   std::vector<Placed> placed_;
   Registered out_;
 };
@@ -197,8 +194,8 @@ class DriveRegistration {
 }  // namespace
 
 Registered register_drives(const DriveTrack& target, const std::vector<DriveTrack>& sources,
-                           const scan_match::MatchOptions& options, bool fix_target, const BeginPart& begin) {
-  return DriveRegistration(target, sources, options, fix_target).run(begin);
+                           const scan_match::MatchOptions& options, const BeginPart& begin) {
+  return DriveRegistration(target, sources, options).run(begin);
 }
 
 }  // namespace dvi::registration

@@ -27,6 +27,7 @@ struct DriveTrack {
   const Drive* drive = nullptr;
   Trajectory world_from_lidar;  ///< in the world of the target, or in any other world
   bool shares_world = false;    ///< true for a source drive whose poses are said to be in the target's world
+  bool is_fixed = false;        ///< true for a target whose trajectory must not change
 };
 
 /// How well a source drive fits where it was placed.
@@ -57,9 +58,8 @@ struct Registered {
 /// recognized in views from above (bird_view.h). A drive whose poses are said to be in the target's world is searched there
 /// first. A place is accepted if its landmarks agree (landmarks.h) and no other place scores nearly as well. From there each
 /// key scan is registered to the scans of the drives placed so far, and one pose graph joins all drives. A source drive that
-/// overlaps only with another source drive is placed by that drive. With `fix_target`, the target's trajectory does not change.
-/// Reports one part of progress per source drive, "register".
+/// overlaps only with another source drive is placed by that drive. Reports one part of progress per source drive, "register".
 Registered register_drives(const DriveTrack& target, const std::vector<DriveTrack>& sources,
-                           const scan_match::MatchOptions& options, bool fix_target, const BeginPart& begin = no_parts);
+                           const scan_match::MatchOptions& options, const BeginPart& begin = no_parts);
 
 }  // namespace dvi::registration

@@ -76,7 +76,7 @@ Trajectory to_own_world(const Recorded& drive) {
 
 Placement place(const Recorded& target, const Recorded& source) {
   const Registered found =
-      register_drives({&target.drive, target.truth, true}, {{&source.drive, to_own_world(source), false}}, {}, true);
+      register_drives({&target.drive, target.truth, true, true}, {{&source.drive, to_own_world(source), false}}, {});
   return found.sources.front();
 }
 
@@ -114,7 +114,7 @@ TEST(Registration, ASimilarStreetIsRejected) {
 TEST(Registration, GivenPosesAreTheInitialGuess) {
   const Recorded target = record(1, 1), source = record(1, 2);
   const Trajectory given = source.truth.in({so3_exp({0, 0, 0.02}), {1.5, -1, 0.3}});
-  const Registered found = register_drives({&target.drive, target.truth, true}, {{&source.drive, given, true}}, {}, true);
+  const Registered found = register_drives({&target.drive, target.truth, true, true}, {{&source.drive, given, true}}, {});
   expect_near_truth(found.sources.front(), source);
 }
 

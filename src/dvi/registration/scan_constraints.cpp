@@ -26,16 +26,18 @@ struct Fit {
   double share = 0;
 };
 
-Fit register_features(const scan_match::Features& sparse, const SE3& guess, int coarse_iterations, scan_match::LocalMaps& scene,
-                      const scan_match::MatchOptions& match) {
+scan_match::RegisterOptions make_register_options(const scan_match::MatchOptions& match, int coarse_iterations) {
   scan_match::RegisterOptions options = scan_match::to_register_options(match);
   options.coarse_iterations = coarse_iterations;
   options.iterations += coarse_iterations;
   options.prior_m = 1;
-  Fit out;
-  out.registration = scan_match::register_scan(sparse, guess, Vector6d::Zero(), {}, 0, scene, options);
-  out.share = scan_match::compute_scene_share(sparse, Vector6d::Zero(), out.registration.world_from_lidar, scene);
-  return out;
+  return options;
+}
+
+Fit register_features(const scan_match::Features& sparse, const SE3& guess, scan_match::LocalMaps& scene,
+                      const scan_match::RegisterOptions& options) {
+  const scan_match::Registration registration = scan_match::register_scan(sparse, {guess}, scene, options);
+  return {registration, scan_match::compute_scene_share(sparse, registration, scene)};
 }
 
 std::optional<LocalScene> build_scene(const PlacedKeys& placed, const Eigen::Vector3d& position) {
@@ -62,7 +64,7 @@ std::optional<LocalScene> build_scene(const PlacedKeys& placed, const Eigen::Vec
     taken.push_back(k);
     out.scene.add(features(k)->dense, out.anchor_from_world * pose(k), Vector6d::Zero());
   }
-  const Fit own = register_features(features(anchor)->sparse, {}, 0, out.scene, match);
+  const Fit own = register_features(features(anchor)->sparse, {}, out.scene, make_register_options(match, 0));
   out.share = own.share;
   out.residual_m = own.registration.residual_m;
   return out;
@@ -73,10 +75,11 @@ class ConstraintSearch {
   ConstraintSearch(const PlacedKeys& placed, const KeyScans& keys, const Tick& tick)
       : placed_(placed), keys_(keys), tick_(tick) {}
 
-  /// Follows the drive from key scan `first`, whose pose is `pose`, to its end (step 1) or to its start (step -1).
-  void follow(std::size_t first, SE3 pose, int step, std::vector<ScanConstraint>& out) {
-    for (std::size_t k = first; k < keys_.size(); k += static_cast<std::size_t>(step)) {  // wraps around below 0
-      if (k != first)
+  /// Follows the drive from a key scan to its end (step 1) or to its start (step -1).
+  void follow(const PosedKey& first, int step, std::vector<ScanConstraint>& out) {
+    SE3 pose = first.world_from_lidar;
+    for (std::size_t k = first.key; k < keys_.size(); k += static_cast<std::size_t>(step)) {  // wraps around below 0
+      if (k != first.key)
         pose = pose * (keys_[k - static_cast<std::size_t>(step)].world_from_lidar.inverse() * keys_[k].world_from_lidar);
       if (const std::optional<ScanConstraint> found = register_key(k, pose)) {
         out.push_back(*found);
@@ -92,7 +95,7 @@ class ConstraintSearch {
       scene_ = build_scene(placed_, expected.t);
     if (!scene_) return std::nullopt;
     const SE3 guess = scene_->anchor_from_world * expected;
-    const Fit found = register_features(keys_.scan(k)->sparse, guess, 4, scene_->scene, keys_.options());
+    const Fit found = register_features(keys_.scan(k)->sparse, guess, scene_->scene, make_register_options(keys_.options(), 4));
     const scan_match::Registration& fit = found.registration;
     const SE3 off = guess.inverse() * fit.world_from_lidar;
     const bool fits =
@@ -112,13 +115,13 @@ class ConstraintSearch {
 
 }  // namespace
 
-std::vector<ScanConstraint> find_scan_constraints(const PlacedKeys& placed, const KeyScans& keys, std::size_t first,
-                                                  const SE3& world_from_first, const Tick& tick) {
+std::vector<ScanConstraint> find_scan_constraints(const PlacedKeys& placed, const KeyScans& keys, const PosedKey& first,
+                                                  const Tick& tick) {
   std::vector<ScanConstraint> out;
-  ConstraintSearch(placed, keys, tick).follow(first, world_from_first, 1, out);
-  if (first > 0) {
-    const SE3 before = world_from_first * (keys[first].world_from_lidar.inverse() * keys[first - 1].world_from_lidar);
-    ConstraintSearch(placed, keys, tick).follow(first - 1, before, -1, out);
+  ConstraintSearch(placed, keys, tick).follow(first, 1, out);
+  if (first.key > 0) {
+    const SE3 first_from_before = keys[first.key].world_from_lidar.inverse() * keys[first.key - 1].world_from_lidar;
+    ConstraintSearch(placed, keys, tick).follow({first.key - 1, first.world_from_lidar * first_from_before}, -1, out);
   }
   return out;
 }

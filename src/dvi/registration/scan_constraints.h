@@ -35,10 +35,16 @@ struct ScanConstraint {
 /// The key scans of the drives that are placed, in one world.
 using PlacedKeys = std::vector<const KeyScans*>;
 
-/// Registers the key scans of `keys` to the drives that are placed, in both directions from key scan `first`, whose pose is
-/// `world_from_first`. Each scan starts from where odometry predicts it after the scan before; a scan that overlaps too little
-/// gives no constraint. `tick` is called once per key scan.
-std::vector<ScanConstraint> find_scan_constraints(const PlacedKeys& placed, const KeyScans& keys, std::size_t first,
-                                                  const SE3& world_from_first, const Tick& tick);
+/// A key scan with its pose.
+struct PosedKey {
+  std::size_t key = 0;
+  SE3 world_from_lidar;
+};
+
+/// Registers the key scans of `keys` to the drives that are placed, in both directions from key scan `first`. Each scan starts
+/// from where odometry predicts it after the scan before; a scan that overlaps too little gives no constraint. `tick` is called
+/// once per key scan.
+std::vector<ScanConstraint> find_scan_constraints(const PlacedKeys& placed, const KeyScans& keys, const PosedKey& first,
+                                                  const Tick& tick);
 
 }  // namespace dvi::registration

@@ -57,6 +57,7 @@ class ShiftFieldBuilder {
 
   std::size_t row_size() const { return std::size_t{3} * field_.stride; }
   cv::Point pixel(int node) const { return candidates_.hole.pixels[field_.pixel[node]]; }
+  WarpedPixel warped(int node) const { return {pixel(node), warped_[field_.pixel[node]]}; }
   const sample::Candidate& candidate(int node) const { return candidates_.leading[field_.pixel[node]]; }
 
   void add_view(int view, const std::vector<int>& nodes) {
@@ -97,7 +98,7 @@ class ShiftFieldBuilder {
     if (other < 0) return;
     const bool same = candidate(other).view == candidate(node).view;
     const Position q_at = same ? warped_[inside] : warp(q, target_.depth.z(q));
-    const cv::Point2f at = find_neighbor_in_source(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q, q_at);
+    const cv::Point2f at = find_neighbor_in_source(warped(node), candidate(node).position, {q, q_at});
     field_.neighbor[node][direction] = other;
     if (same && at == candidate(other).position)
       field_.expected[node][direction] = other;
@@ -107,8 +108,7 @@ class ShiftFieldBuilder {
 
   /// Adds the terms of eq. 3 for one neighbor outside the hole. Returns 1 if the source shows it, else 0.
   int add_boundary(int node, cv::Point q, const Warp& warp, std::vector<int>& cost) {
-    const cv::Point2f at = find_neighbor_in_source(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q,
-                                                   warp(q, target_.depth.z(q)));
+    const cv::Point2f at = find_neighbor_in_source(warped(node), candidate(node).position, {q, warp(q, target_.depth.z(q))});
     if (!can_sample(*source_mask_, at)) return 0;
     scratch_.resize(row_size());
     sample(at, q, scratch_.data());

@@ -76,8 +76,8 @@ cv::Mat1b compute_largest_difference(const cv::Mat3b& a, const cv::Mat3b& b) {
 }
 
 /// Writes nothing if there is no image.
-void write_patch(const fs::path& out, const char* folder, std::size_t number, const cv::Mat3b& image, const cv::Mat1b& kind) {
-  if (!image.empty()) media::write_png(out / make_path(folder, number, ".png"), cut_hole(image, kind));
+void write_patch(const fs::path& file, const cv::Mat3b& image, const cv::Mat1b& kind) {
+  if (!image.empty()) media::write_png(file, cut_hole(image, kind));
 }
 
 void write_block(const fs::path& out, std::size_t number, const FramePictures& pictures, const cv::Mat1b& error) {
@@ -150,7 +150,7 @@ class ReportWriter {
       frame.entry["truth"] = !error.empty();
       write_block(out_, i, pictures, error);
       if (const fs::path input = find_input(name, i); !input.empty())
-        write_patch(out_, "before/", i, read_frame(input, pictures.kind.size()), pictures.kind);
+        write_patch(out_ / make_path("before/", i, ".png"), read_frame(input, pictures.kind.size()), pictures.kind);
     }
     frame.entry["before"] = fs::exists(out_ / make_path("before/", i, ".png"));
     if (above_.is_object()) frame.unobserved = find_unobserved_cells(pictures, i, above_);
@@ -180,7 +180,7 @@ class ReportWriter {
     const cv::Mat3b truth = read_frame(in_.truth / (names_[i] + ".png"), size);
     const cv::Mat3b frame = read_frame(out_ / "frames" / (names_[i] + ".png"), size);
     if (truth.empty() || frame.empty()) return {};
-    write_patch(out_, "truth/", i, truth, pictures.kind);
+    write_patch(out_ / make_path("truth/", i, ".png"), truth, pictures.kind);
     return compute_largest_difference(truth, frame);
   }
 
@@ -267,7 +267,7 @@ class ReportWriter {
 void write_frame(const fs::path& out, std::size_t number, const FramePictures& pictures, const cv::Mat3b& input) {
   make_folder(out / "report/before");
   write_block(out, number, pictures, {});
-  write_patch(out, "before/", number, input, pictures.kind);
+  write_patch(out / make_path("before/", number, ".png"), input, pictures.kind);
 }
 
 std::string before_file(std::size_t number) { return make_path("before/", number, ".png"); }

@@ -198,7 +198,7 @@ void FillImport::write_reports(Progress& progress) const {
   document["artifacts"] = artifacts;
   const std::string text = json_text(document);
   write_report(
-      job_, names_, fingerprint_,
+      job_, {names_, fingerprint_},
       [&] {
         write_file(out_ / "report.json", text + "\n");
         return text;

@@ -19,8 +19,8 @@ cv::Mat1w encode_depth(const cv::Mat1f& z) {
 
 }  // namespace
 
-void write_pictures(const fs::path& out, const std::string& name, const harmonize::FilledFrame& frame, const Views& views,
-                    std::size_t view) {
+void write_pictures(const OutputFrame& to, const harmonize::FilledFrame& frame, const Views& views) {
+  const auto& [out, name, view] = to;
   cv::Mat3b color;
   frame.color.convertTo(color, CV_8U);
   const std::string png = name + ".png";

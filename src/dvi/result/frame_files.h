@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "dvi/core/files.h"
@@ -8,9 +9,15 @@
 
 namespace dvi::result {
 
+/// A frame of the result in the folder `out`.
+struct OutputFrame {
+  fs::path out;
+  std::string name;
+  std::size_t number = 0;  ///< index of its view
+};
+
 /// Writes the pictures of one frame, `out`/frames/NAME.png and so on, and its data for the report. May be called from several
 /// threads at once.
-void write_pictures(const fs::path& out, const std::string& name, const harmonize::FilledFrame& frame, const Views& views,
-                    std::size_t view);
+void write_pictures(const OutputFrame& to, const harmonize::FilledFrame& frame, const Views& views);
 
 }  // namespace dvi::result

@@ -276,7 +276,7 @@ std::vector<std::size_t> ResultFolder::find_missing_frames(const Views& views, P
 }
 
 std::function<void(std::size_t, const FilledView&)> ResultFolder::make_writer(const Views& views, const align::Cameras& cameras,
-                                                                              CpuClock& cpu, Progress& progress,
+                                                                              CpuClock& cpu,
                                                                               const FinishedFrame& hand_on) const {
   const auto source_masks = std::make_shared<SourceMasks>(out_, views);
   return [&, this, source_masks, hand_on](std::size_t view, const FilledView& finished) {
@@ -284,7 +284,7 @@ std::function<void(std::size_t, const FilledView&)> ResultFolder::make_writer(co
     cpu.time("write", [&] {
       std::ofstream begun(frame_manifest(frame.name));  // an empty manifest marks the pictures as dvi's, but unfinished
       begun.close();
-      write_pictures(out_, frame.name, finished.frame, views, view);
+      write_pictures({out_, frame.name, view}, finished.frame, views);
       std::vector<std::string> files = list_pictures(frame.name);
       const std::vector<std::string> masks = source_masks->write(finished.frame.provenance);
       files.insert(files.end(), masks.begin(), masks.end());
@@ -293,8 +293,7 @@ std::function<void(std::size_t, const FilledView&)> ResultFolder::make_writer(co
                       std::make_shared<const nlohmann::json>(frame_json(frame, finished, cameras.views[view]))});
       write_report_frame_manifest(out_, frame.name, view, fingerprint_);
     });
-    if (hand_on) hand_on(view, finished.frame);
-    progress.advance();
+    hand_on(view, finished.frame);
   };
 }
 
@@ -382,7 +381,7 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
   std::optional<RunReport> finished;
   progress.begin("report", names_.size());
   write_report(
-      job_, names_, fingerprint_,
+      job_, {names_, fingerprint_},
       [&] {
         progress.end();
         finished = make_report(results, removed, artifacts, progress);

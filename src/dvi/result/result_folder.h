@@ -101,8 +101,7 @@ class ResultFolder {
   /// called from several threads at once.
   std::function<void(std::size_t view, const FilledView& finished)> make_writer(const Views& views,
                                                                                 const align::Cameras& cameras, CpuClock& cpu,
-                                                                                Progress& progress,
-                                                                                const FinishedFrame& hand_on = {}) const;
+                                                                                const FinishedFrame& hand_on) const;
 
   /// Writes all files other than the frames, the report last, and removes frames of earlier runs. The cost in the report
   /// includes that of the plan and its fills, if claim_plan() was called.

@@ -110,14 +110,14 @@ void remove_report_frame_manifest(const fs::path& out, const std::string& name) 
   fs::remove(report_frame_manifest(out, name));
 }
 
-void write_report(const job::Job& job, const std::vector<std::string>& names, const std::string& fingerprint,
-                  const std::function<std::string()>& report_json, const Tick& tick) {
-  std::vector<char> written(names.size());
-  parallel_for(names.size(), [&](std::size_t i) {
-    written[i] = is_confirmed(report_frame_manifest(job.out, names[i]), fingerprint, job.out) ? 1 : 0;
+void write_report(const job::Job& job, const ReportedFrames& frames, const std::function<std::string()>& report_json,
+                  const Tick& tick) {
+  std::vector<char> written(frames.names.size());
+  parallel_for(written.size(), [&](std::size_t i) {
+    written[i] = is_confirmed(report_frame_manifest(job.out, frames.names[i]), frames.fingerprint, job.out) ? 1 : 0;
   });
   report::write_report({.out = job.out,
-                        .names = names,
+                        .names = frames.names,
                         .run = report_json,
                         .options = list_changed_options(job),
                         .evaluation = "null",

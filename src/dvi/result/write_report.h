@@ -23,10 +23,16 @@ void write_report_frame_manifest(const fs::path& out, const std::string& name, s
 /// Removes this manifest, before a picture of the frame is changed.
 void remove_report_frame_manifest(const fs::path& out, const std::string& name);
 
+/// The frames of a run, and the fingerprint in the manifests of their files.
+struct ReportedFrames {
+  const std::vector<std::string>& names;
+  const std::string& fingerprint;
+};
+
 /// Writes OUT/report.html and OUT/report/ of a run. `report_json` is called after all other files are written. Files of frames
-/// that have a manifest with this fingerprint are kept.
-void write_report(const job::Job& job, const std::vector<std::string>& names, const std::string& fingerprint,
-                  const std::function<std::string()>& report_json, const Tick& tick);
+/// that have a manifest with the fingerprint are kept.
+void write_report(const job::Job& job, const ReportedFrames& frames, const std::function<std::string()>& report_json,
+                  const Tick& tick);
 
 /// Writes the report of a result on disk, which may be incomplete: the report lists the missing parts. Throws InputError if
 /// `out` is not a result of dvi, or is read-only.

@@ -198,11 +198,15 @@ FilledView Run::fill(std::size_t frame) const {
 }
 
 void Run::fill_frames(const std::vector<std::size_t>& frames, const result::FinishedFrame& hand_on) {
+  const auto finish_frame = [&](std::size_t number, const harmonize::FilledFrame& frame) {
+    if (hand_on) hand_on(number, frame);
+    progress_.advance();
+  };
   progress_.begin("fill", frames.size());
   for_each_smoothed(frames, this->frames(),
                     {.fill = [&](std::size_t frame) { return fill(frame); },
                      .smoothing = make_smoothing(options_.smooth, cpu_),  // 3.6
-                     .write = folder_.make_writer(views_, cameras_, cpu_, progress_, hand_on)});
+                     .write = folder_.make_writer(views_, cameras_, cpu_, finish_frame)});
   progress_.end();
 }
 

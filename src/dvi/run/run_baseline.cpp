@@ -38,11 +38,15 @@ result::RunReport run_baseline(const job::Job& job, Progress& progress, const Fr
   result::CpuClock cpu;
   const std::vector<std::size_t> missing = out.find_missing_frames(views, progress);
   if (sink.begin) sink.begin(out.frame_names(), missing);
+  const auto finish_frame = [&](std::size_t number, const harmonize::FilledFrame& frame) {
+    if (sink.finished) sink.finished(number, frame);
+    progress.advance();
+  };
   progress.begin("fill", missing.size());
   for_each_smoothed(missing, views.of_sequence(0).second,
                     {.fill = make_filler(job, views, cpu),
                      .smoothing = make_smoothing(job.options.smooth, cpu),
-                     .write = out.make_writer(views, cameras, cpu, progress, sink.finished)});
+                     .write = out.make_writer(views, cameras, cpu, finish_frame)});
   return out.complete(
       {.views = views, .map = nullptr, .poses = poses, .cameras = cameras, .cpu = cpu, .objects = masks.front().objects},
       progress);

@@ -137,9 +137,8 @@ std::vector<double> solve_pose_graph(std::vector<SE3>& world_from_body, const st
   return std::move(solver).weights();
 }
 
-Matrix6d compute_relative_covariance(std::vector<SE3> world_from_body, const std::vector<PoseEdge>& edges,
-                                     std::vector<double> weights, std::size_t a, std::size_t b) {
-  return Solver(world_from_body, edges, std::move(weights)).compute_relative_covariance(a, b);
+Matrix6d compute_relative_covariance(PoseGraph graph, std::size_t a, std::size_t b) {
+  return Solver(graph.world_from_body, graph.edges, std::move(graph.weights)).compute_relative_covariance(a, b);
 }
 
 }  // namespace dvi::scan_match

@@ -21,9 +21,15 @@ struct PoseEdge {
 /// sufficient for one kind of residual; Ceres would add a dozen packages.
 std::vector<double> solve_pose_graph(std::vector<SE3>& world_from_body, const std::vector<PoseEdge>& edges);
 
+/// A solved pose graph.
+struct PoseGraph {
+  std::vector<SE3> world_from_body;
+  std::vector<PoseEdge> edges;
+  std::vector<double> weights;  ///< of the edges, as returned by solve_pose_graph()
+};
+
 /// Returns the covariance of world_from_a^-1 * world_from_b at the solution for the weighted edges: translation and rotation in
 /// the axes of b. It assumes independent edges and is too small if errors of neighboring edges are correlated.
-Matrix6d compute_relative_covariance(std::vector<SE3> world_from_body, const std::vector<PoseEdge>& edges,
-                                     std::vector<double> weights, std::size_t a, std::size_t b);
+Matrix6d compute_relative_covariance(PoseGraph graph, std::size_t a, std::size_t b);
 
 }  // namespace dvi::scan_match

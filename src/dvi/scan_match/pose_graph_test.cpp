@@ -132,7 +132,7 @@ TEST(PoseGraph, HasACovarianceThatGrowsAlongAChainAndHalvesWithASecondMeasuremen
   for (std::size_t i = 0; i < poses.size(); ++i) poses[i].t = {2.0 * static_cast<double>(i), 0, 0};
   std::vector<PoseEdge> edges = chain(poses);
   const auto variance = [&](std::size_t a, std::size_t b) {
-    return compute_relative_covariance(poses, edges, std::vector<double>(edges.size(), 1.0), a, b).diagonal().eval();
+    return compute_relative_covariance({poses, edges, std::vector<double>(edges.size(), 1.0)}, a, b).diagonal().eval();
   };
   EXPECT_NEAR(variance(0, 1)[0], 1e-4, 1e-9);
   EXPECT_NEAR(variance(0, 4)[0], 4e-4, 1e-9) << "four steps of 1 cm";

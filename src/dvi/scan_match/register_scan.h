@@ -42,15 +42,21 @@ struct Registration {
   Matrix6d information = Matrix6d::Zero();  ///< of the pose including the prior: translation, rotation, in the LiDAR's axes
 };
 
-/// Registers a scan to the scene: Gauss-Newton on SE(3) over distances to planes and lines (Geman-McClure weights). The motion
-/// within the scan follows from the pose `before`, `seconds` earlier, and the scan is compensated again in each iteration. If
-/// `seconds` is 0, the twist is kept.
-Registration register_scan(const Features& features, const SE3& guess, const Vector6d& twist, const SE3& before, double seconds,
-                           LocalMaps& scene, const RegisterOptions& options);
+/// The guess of a scan's pose, and the LiDAR's motion within the scan: the given twist or, if `seconds` is above 0, the motion
+/// from the pose `before`, so many seconds earlier.
+struct ScanGuess {
+  SE3 world_from_lidar;
+  Vector6d twist = Vector6d::Zero();  ///< per second, in the LiDAR's axes
+  SE3 before = {};
+  double seconds = 0;
+};
 
-/// Computes the share of features on the scene, 0 to 1, within `on_m` of it. Features on level ground are ignored, because it
-/// looks the same everywhere. The scene's z axis points up.
-double compute_scene_share(const Features& features, const Vector6d& twist, const SE3& world_from_lidar, LocalMaps& scene,
-                           double on_m = 0.15);
+/// Registers a scan to the scene: Gauss-Newton on SE(3) over distances to planes and lines (Geman-McClure weights). If its
+/// motion follows from a pose before it, the scan is compensated again in each iteration.
+Registration register_scan(const Features& features, const ScanGuess& guess, LocalMaps& scene, const RegisterOptions& options);
+
+/// Computes the share of the features of a registered scan on the scene, 0 to 1, within `on_m` of it. Features on level ground
+/// are ignored, because it looks the same everywhere. The scene's z axis points up.
+double compute_scene_share(const Features& features, const Registration& registration, LocalMaps& scene, double on_m = 0.15);
 
 }  // namespace dvi::scan_match

@@ -11,6 +11,7 @@
 
 #include "dvi/core/median.h"
 #include "dvi/drive/view.h"
+#include "dvi/image/color_difference.h"
 #include "dvi/image/gray.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/image/optical_flow.h"
@@ -89,11 +90,6 @@ cv::Mat3f interpolate_cubic(const cv::Mat3f& image, const cv::Mat2f& at) {
   return out;
 }
 
-/// The mean absolute difference of the channels in gray levels.
-float compute_difference(const cv::Vec3f& a, const cv::Vec3f& b) {
-  return (std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2])) / 3;
-}
-
 /// Returns whether the colors of a neighbor along the flow, in the exposure of this frame, agree with this frame around the
 /// hole. They do not if one frame is black or saturated, so that its gain is unknown.
 bool is_similar(const FilledFrame& frame, const Neighbor& other, const cv::Mat3f& there, const cv::Vec3f& gain) {
@@ -102,7 +98,7 @@ bool is_similar(const FilledFrame& frame, const Neighbor& other, const cv::Mat3f
   std::vector<float> differences;
   for (int y = 0; y < hole.rows; y += kSmooth.comparison_step_px)
     for (int x = 0; x < hole.cols; x += kSmooth.comparison_step_px)
-      if (hole(y, x) == 0) differences.push_back(compute_difference(here(y, x), there(y, x).mul(gain)));
+      if (hole(y, x) == 0) differences.push_back(mean_difference(here(y, x), there(y, x).mul(gain)));
   return dvi::median(std::move(differences)) < kSmooth.color_scale;
 }
 
@@ -151,10 +147,9 @@ cv::Vec3f replace_outlier(const cv::Vec3f& here, const NeighborColors& before, c
   const FlowState a = before.get_state(p), b = after.get_state(p);
   if (a == FlowState::none || b == FlowState::none) return here;
   const cv::Vec3f &earlier = before.color(p), &later = after.color(p);
-  if (compute_difference(here, earlier) < kSmooth.min_outlier || compute_difference(here, later) < kSmooth.min_outlier)
-    return here;
+  if (mean_difference(here, earlier) < kSmooth.min_outlier || mean_difference(here, later) < kSmooth.min_outlier) return here;
   const bool is_certain =
-      (a == FlowState::consistent && b == FlowState::consistent) || compute_difference(earlier, later) < kSmooth.color_scale;
+      (a == FlowState::consistent && b == FlowState::consistent) || mean_difference(earlier, later) < kSmooth.color_scale;
   return is_certain ? median(here, earlier, later) : here;
 }
 

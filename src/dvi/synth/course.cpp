@@ -28,9 +28,9 @@ Eigen::Vector2d Course::place(double length, double left) const {
   return reverse_ ? Eigen::Vector2d(begin_ - length, -left) : Eigen::Vector2d(length, left);
 }
 
-SE3 Course::world_from_place(const Street& street, double length, double left, double z, double yaw) const {
-  const Eigen::Vector2d at = place(length, left);
-  return street.world_from_place(at.x(), at.y(), z, reverse_ ? yaw + std::numbers::pi : yaw);
+SE3 Course::world_from_place(const Street& street, const Eigen::Vector3d& place, double yaw) const {
+  const Eigen::Vector2d at = this->place(place.x(), place.y());
+  return street.world_from_place(at.x(), at.y(), place.z(), reverse_ ? yaw + std::numbers::pi : yaw);
 }
 
 }  // namespace dvi::synth

@@ -22,7 +22,8 @@ class Course {
   Eigen::Vector2d place(double length, double left) const;
   /// Returns the path length at the street's s.
   double path_length_at(double s) const { return reverse_ ? begin_ - s : s; }
-  SE3 world_from_place(const Street& street, double length, double left, double z, double yaw) const;
+  /// Returns the pose at a place: path length, meters to the left, and height.
+  SE3 world_from_place(const Street& street, const Eigen::Vector3d& place, double yaw) const;
 
  private:
   double speed_mps_ = 0, lane_ = 0, other_lane_ = 0, begin_ = 0;

@@ -15,8 +15,9 @@ void add_frustum(Solid& solid, const Rectangle& low, const Rectangle& high, cons
   };
   const auto face = [&](bool front0, bool left0, bool front1, bool left1, const TexturePtr& texture, bool mirrored) {
     if (!texture) return;
-    Surface& surface = solid.add(corner(low, front0, left0), corner(low, front1, left1), corner(high, front0, left0),
-                                 corner(high, front1, left1), texture);
+    Surface& surface = solid.add(
+        {corner(low, front0, left0), corner(low, front1, left1), corner(high, front0, left0), corner(high, front1, left1)},
+        texture);
     if (mirrored) surface.part = cv::Rect2d(texture->width(), 0, -texture->width(), texture->height());
   };
   face(true, true, false, true, faces.left, false);
@@ -24,8 +25,16 @@ void add_frustum(Solid& solid, const Rectangle& low, const Rectangle& high, cons
   face(true, false, true, true, faces.front, false);
   face(false, true, false, false, faces.back, false);
   if (faces.top)
-    solid.add(corner(high, false, true), corner(high, false, false), corner(high, true, true), corner(high, true, false),
+    solid.add({corner(high, false, true), corner(high, false, false), corner(high, true, true), corner(high, true, false)},
               faces.top);
+}
+
+void add_limb(Solid& solid, const Limb& limb, const TexturePtr& cloth) {
+  const auto& [low, high, half_width] = limb;
+  Solid part;
+  add_frustum(part, {low.x() - half_width, low.x() + half_width, half_width, low.z()},
+              {high.x() - half_width, high.x() + half_width, half_width, high.z()}, {cloth, cloth, cloth, cloth, cloth});
+  solid.add(part, {Eigen::Matrix3d::Identity(), {0, low.y(), 0}});
 }
 
 TexturePtr paint_plain(Random random, const Noise& noise, const cv::Scalar& color, double amplitude) {
@@ -71,7 +80,7 @@ Model make_tree(Random random, const TexturePtr& bark, const TexturePtr& leaves)
     const double half = random.uniform(0.7, 1.15);
     const Vector3d right = turn * Vector3d(half, 0, 0), up = turn * Vector3d(0, 0, half);
     Surface& surface =
-        model.solid.add(center - right - up, center + right - up, center - right + up, center + right + up, leaves);
+        model.solid.add({center - right - up, center + right - up, center - right + up, center + right + up}, leaves);
     surface.lit = false;
     // The crown is darker inside.
     const auto shade = static_cast<float>(0.72 + 0.25 * reach + 0.08 * (center.z() - trunk));
@@ -89,7 +98,7 @@ Model make_hedge(double length, const TexturePtr& planter, const TexturePtr& lea
     for (double x = -half; x < half - 0.1; x += 0.55) {
       const double y = 0.22 * (layer - 1), top = 1.1 + 0.1 * std::sin(9 * x + 2 * layer);
       Surface& surface =
-          model.solid.add({x - 0.2, y, 0.25}, {x + 0.75, y, 0.25}, {x - 0.2, y, top}, {x + 0.75, y, top}, leaves);
+          model.solid.add({{x - 0.2, y, 0.25}, {x + 0.75, y, 0.25}, {x - 0.2, y, top}, {x + 0.75, y, top}}, leaves);
       surface.lit = false;
       if (layer == 1) surface.tint = {0.7F, 0.7F, 0.7F};
     }

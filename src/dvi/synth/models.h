@@ -42,4 +42,11 @@ struct Faces {
 };
 void add_frustum(Solid& solid, const Rectangle& low, const Rectangle& high, const Faces& faces);
 
+/// A limb with a square cross-section. Both ends have the same y.
+struct Limb {
+  Eigen::Vector3d low, high;
+  double half_width;
+};
+void add_limb(Solid& solid, const Limb& limb, const TexturePtr& cloth);
+
 }  // namespace dvi::synth

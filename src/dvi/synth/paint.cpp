@@ -56,32 +56,32 @@ cv::Point Canvas::at(double x, double z) const {
   return {static_cast<int>(std::lround(x * scale_)), picture.rows - static_cast<int>(std::lround(z * scale_))};
 }
 
-void Canvas::box(double x, double z, double w, double h, const cv::Scalar& color) {
-  const cv::Rect rect(at(x, z + h), at(x + w, z));
+void Canvas::box(const cv::Rect2d& area, const cv::Scalar& color) {
+  const cv::Rect rect(at(area.x, area.y + area.height), at(area.x + area.width, area.y));
   const cv::Rect inside = rect & cv::Rect({}, picture.size());
   if (!inside.empty()) cv::rectangle(picture, inside, color, cv::FILLED);
 }
 
-void Canvas::frame(double x, double z, double w, double h, const cv::Scalar& color, int thickness) {
-  cv::rectangle(picture, at(x, z + h), at(x + w, z), color, thickness);
+void Canvas::frame(const cv::Rect2d& area, const cv::Scalar& color, int thickness) {
+  cv::rectangle(picture, at(area.x, area.y + area.height), at(area.x + area.width, area.y), color, thickness);
 }
 
-void Canvas::line(double x0, double z0, double x1, double z1, const cv::Scalar& color, int thickness) {
-  cv::line(picture, at(x0, z0), at(x1, z1), color, thickness, cv::LINE_AA);
+void Canvas::line(const cv::Point2d& from, const cv::Point2d& to, const cv::Scalar& color, int thickness) {
+  cv::line(picture, at(from.x, from.y), at(to.x, to.y), color, thickness, cv::LINE_AA);
 }
 
 void Canvas::disc(double x, double z, double radius, const cv::Scalar& color) {
   cv::circle(picture, at(x, z), std::max(1, static_cast<int>(std::lround(radius * scale_))), color, cv::FILLED, cv::LINE_AA);
 }
 
-void Canvas::text(double x, double z, double w, double h, const std::string& words, const cv::Scalar& color) {
+void Canvas::text(const cv::Rect2d& area, const std::string& words, const cv::Scalar& color) {
   constexpr int kFont = cv::FONT_HERSHEY_DUPLEX;
   int base = 0;
   const cv::Size size = cv::getTextSize(words, kFont, 1, 2, &base);
-  const double scale = std::min(w * scale_ / size.width, h * scale_ / size.height);
-  const double left = x + 0.5 * (w - size.width * scale / scale_);
-  cv::putText(picture, words, at(left, z + 0.5 * (h - size.height * scale / scale_)), kFont, scale, color,
-              std::max(1, static_cast<int>(scale * 2.2)), cv::LINE_AA);
+  const double scale = std::min(area.width * scale_ / size.width, area.height * scale_ / size.height);
+  const double left = area.x + 0.5 * (area.width - size.width * scale / scale_);
+  const double bottom = area.y + 0.5 * (area.height - size.height * scale / scale_);
+  cv::putText(picture, words, at(left, bottom), kFont, scale, color, std::max(1, static_cast<int>(scale * 2.2)), cv::LINE_AA);
 }
 
 void Canvas::cut_below(double z) {

@@ -27,7 +27,8 @@ cv::Mat3b make_plain_picture(int rows, int cols, const cv::Scalar& color);
 /// Adds noise; its pixel (0, 0) is that of `offset`.
 void roughen(cv::Mat3b& picture, const Noise& noise, double amplitude, cv::Point offset);
 
-/// A picture measured in meters: x to the right, z up from the lower edge.
+/// A picture measured in meters: x to the right, z up from the lower edge. Points are (x, z); rectangles begin at their lower
+/// left corner.
 class Canvas {
  public:
   Canvas(double width_m, double height_m, double pixels_per_m, const cv::Scalar& color);
@@ -37,12 +38,12 @@ class Canvas {
 
   double width() const { return picture.cols / scale_; }
   double height() const { return picture.rows / scale_; }
-  void box(double x, double z, double w, double h, const cv::Scalar& color);
-  void frame(double x, double z, double w, double h, const cv::Scalar& color, int thickness);
-  void line(double x0, double z0, double x1, double z1, const cv::Scalar& color, int thickness);
+  void box(const cv::Rect2d& area, const cv::Scalar& color);
+  void frame(const cv::Rect2d& area, const cv::Scalar& color, int thickness);
+  void line(const cv::Point2d& from, const cv::Point2d& to, const cv::Scalar& color, int thickness);
   void disc(double x, double z, double radius, const cv::Scalar& color);
   /// Draws words in a box, as large as possible.
-  void text(double x, double z, double w, double h, const std::string& words, const cv::Scalar& color);
+  void text(const cv::Rect2d& area, const std::string& words, const cv::Scalar& color);
   /// Makes the strip below z a hole, except for disks of uncut().
   void cut_below(double z);
   void uncut(double x, double z, double radius);

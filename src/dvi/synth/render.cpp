@@ -20,8 +20,10 @@ struct Layer {
 
 class Painter {
  public:
-  Painter(const Camera& camera, const SE3& camera_from_world, double gain)
-      : camera_(camera), world_from_camera_(camera_from_world.inverse()), gain_(static_cast<float>(gain)) {}
+  explicit Painter(const ExposedCamera& exposed)
+      : camera_(exposed.camera),
+        world_from_camera_(exposed.camera_from_world.inverse()),
+        gain_(static_cast<float>(exposed.gain)) {}
 
   /// Paints the pixels of `wanted`.
   void paint(const Tracer& tracer, const cv::Mat1b& wanted, Layer& canvas) const {
@@ -111,10 +113,9 @@ class Painter {
 
 }  // namespace
 
-SynthFrame render(const StaticWorld& world, std::vector<PlacedMover> movers, const Camera& camera, const SE3& camera_from_world,
-                  double gain) {
-  const cv::Size size(camera.width, camera.height);
-  const Painter painter(camera, camera_from_world, gain);
+SynthFrame render(const StaticWorld& world, std::vector<PlacedMover> movers, const ExposedCamera& exposed) {
+  const cv::Size size(exposed.camera.width, exposed.camera.height);
+  const Painter painter(exposed);
   Layer still{cv::Mat1i(size), cv::Mat1f(size), cv::Mat1b(size), cv::Mat3b(size)};
   painter.paint(Tracer(world, {}), cv::Mat1b(size, 255), still);
 

@@ -75,8 +75,8 @@ SE3 Scene::world_from_lidar(std::int64_t time_ns) const {
   const double sway = 0.12 * std::sin(0.8 * p + 0.3);
   const double yaw = 0.55 * kRadPerDegree * std::sin(1.3 * p + 0.2), roll = 0.25 * kRadPerDegree * std::sin(2.3 * p);
   const double pitch = kRadPerDegree * (0.22 * std::sin(6.1 * p) + 0.05 * std::sin(11 * p));
-  const SE3 level = course.world_from_place(world_->still.street, course.path_length(t), course.lane() + sway,
-                                            kLidarHeightM + 0.012 * std::sin(7 * p), yaw);
+  const SE3 level = course.world_from_place(
+      world_->still.street, {course.path_length(t), course.lane() + sway, kLidarHeightM + 0.012 * std::sin(7 * p)}, yaw);
   return level * SE3{so3_exp({0, pitch, 0}) * so3_exp({roll, 0, 0}), Vector3d::Zero()};
 }
 
@@ -99,7 +99,8 @@ double Scene::gain(int frame, std::size_t camera) const {
 
 SynthFrame Scene::render(int frame, std::size_t camera) const {
   const double t = seconds(time_ns(frame));
-  return synth::render(world_->still, world_->place_movers(t), camera_, camera_from_world(frame, camera), gain(frame, camera));
+  return synth::render(world_->still, world_->place_movers(t),
+                       {camera_, camera_from_world(frame, camera), gain(frame, camera)});
 }
 
 cv::Mat3b Scene::record(int frame, const SynthFrame& rendered, std::size_t camera) const {

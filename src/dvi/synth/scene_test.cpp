@@ -62,13 +62,17 @@ TEST(Scene, IsIndependentOfTheThreads) {
   EXPECT_EQ(scans[0].scan.intensity, scans[1].scan.intensity);
 }
 
-// Expects that each static pixel of one frame is found in another one by depth and poses, if that frame observes the same
-// point.
-void expect_reprojects(const Scene& scene, int from, int to, std::size_t from_camera = 0, std::size_t to_camera = 0,
-                       int at_least = 25000) {
-  const SynthFrame a = scene.render(from, from_camera), b = scene.render(to, to_camera);
-  const SE3 b_from_a = scene.camera_from_world(to, to_camera) * scene.camera_from_world(from, from_camera).inverse();
-  const double gain = scene.gain(from, from_camera) / scene.gain(to, to_camera);
+struct CameraFrame {
+  int frame;
+  std::size_t camera = 0;
+};
+
+// Expects that static pixels of a frame are found by depth and poses in another one that observes the same points.
+void expect_reprojects(const Scene& scene, const CameraFrame& from, const CameraFrame& to, int at_least = 25000) {
+  const SynthFrame a = scene.render(from.frame, from.camera), b = scene.render(to.frame, to.camera);
+  const SE3 b_from_a =
+      scene.camera_from_world(to.frame, to.camera) * scene.camera_from_world(from.frame, from.camera).inverse();
+  const double gain = scene.gain(from.frame, from.camera) / scene.gain(to.frame, to.camera);
   double error = 0, shifted = 0;
   int count = 0;
   for (int y = 0; y < a.depth.rows; ++y)
@@ -92,14 +96,14 @@ void expect_reprojects(const Scene& scene, int from, int to, std::size_t from_ca
   EXPECT_GT(shifted / count, 1.6 * error / count);
 }
 
-TEST(Scene, ReprojectsColorsByDepthAndPoses) { expect_reprojects(*small_scene(), 1, 3); }
+TEST(Scene, ReprojectsColorsByDepthAndPoses) { expect_reprojects(*small_scene(), {1}, {3}); }
 
 TEST(Scene, ReprojectsColorsInATurnWithJitterAndDrift) {
   SynthOptions options = small();
   options.turn_deg = 25;
   options.jitter_deg = 0.5;
   options.exposure_drift = 0.12;
-  expect_reprojects(Scene(options), 4, 6);
+  expect_reprojects(Scene(options), {4}, {6});
 }
 
 TEST(Scene, ShowsTheSameStreetInSideCameras) {
@@ -112,9 +116,9 @@ TEST(Scene, ShowsTheSameStreetInSideCameras) {
   EXPECT_GT(looks(1).y(), 0.8) << "to the left";
   EXPECT_LT(looks(2).y(), -0.8) << "to the right";
   // A side camera observes the surfaces that the front camera observed some frames before.
-  expect_reprojects(scene, 0, 8, 0, 1, 800);
-  expect_reprojects(scene, 0, 8, 0, 2, 800);
-  expect_reprojects(scene, 4, 5, 1, 1);
+  expect_reprojects(scene, {0}, {8, 1}, 800);
+  expect_reprojects(scene, {0}, {8, 2}, 800);
+  expect_reprojects(scene, {4, 1}, {5, 1});
 }
 
 TEST(Scene, KeepsTheRestForWetRoadsAndChanges) {
@@ -180,7 +184,7 @@ TEST(Scene, HasAClosedRoomThatReprojects) {
   const Scene scene(small_room());
   EXPECT_EQ(scene.cameras().front().name, "color");
   EXPECT_EQ(cv::countNonZero(scene.render(3).depth == 0), 0);
-  expect_reprojects(scene, 1, 8);
+  expect_reprojects(scene, {1}, {8});
 }
 
 TEST(Scene, HasADepthCameraThatMeasuresVisibleSurfaces) {

@@ -35,24 +35,24 @@ void complete_surface(Surface& surface) {
   surface.dual_down = (rr * surface.down - rd * surface.right) / det;
 }
 
-// Returns the nearest intersection in (near, t_max) with the wall of an upright cylinder, by a quadratic equation.
-double meet_cylinder(const Surface& surface, const Ray& ray, double near, double t_max) {
+// Returns the nearest intersection in the span with the wall of an upright cylinder, by a quadratic equation; its end for none.
+double meet_cylinder(const Surface& surface, const Ray& ray, const RaySpan& span) {
   const Vector2d o = (ray.origin - surface.origin).head<2>(), d = ray.direction.head<2>();
   const double a = d.squaredNorm(), b = o.dot(d), c = o.squaredNorm() - surface.radius * surface.radius;
   const double root = b * b - a * c;
-  if (root < 0 || a == 0) return t_max;
+  if (root < 0 || a == 0) return span.far;
   const double top = surface.origin.z(), bottom = top + surface.down.z();
   for (const double t : {(-b - std::sqrt(root)) / a, (-b + std::sqrt(root)) / a}) {
     const double z = ray.origin.z() + t * ray.direction.z();
-    if (t > near && t < t_max && z <= top && z >= bottom) return t;
+    if (span.contains(t) && z <= top && z >= bottom) return t;
   }
-  return t_max;
+  return span.far;
 }
 
 }  // namespace
 
-Surface& Solid::add(const Vector3d& lower_left, const Vector3d& lower_right, const Vector3d& upper_left,
-                    const Vector3d& upper_right, TexturePtr texture) {
+Surface& Solid::add(const Corners& corners, TexturePtr texture) {
+  const auto& [lower_left, lower_right, upper_left, upper_right] = corners;
   Surface surface;
   surface.right = lower_right - lower_left;
   const double length2 = surface.right.squaredNorm();
@@ -124,17 +124,17 @@ void Solid::split(int node, int first, int count, const std::vector<AlignedBox3d
   split(left + 1, first + count / 2, count - count / 2, boxes);
 }
 
-bool Solid::meet(const Surface& surface, const Ray& ray, double near, double t_max, Hit& hit) const {
+bool Solid::meet(const Surface& surface, const Ray& ray, const RaySpan& span, Hit& hit) {
   double t = 0, a = 0, b = 0;
   if (surface.radius > 0) {
-    t = meet_cylinder(surface, ray, near, t_max);
-    if (t >= t_max) return false;
+    t = meet_cylinder(surface, ray, span);
+    if (t >= span.far) return false;
     const Vector3d p = ray.at(t) - surface.origin;
     a = 0.5 + std::atan2(p.y(), p.x()) / (2 * std::numbers::pi);
     b = p.z() / surface.down.z();
   } else {
     t = surface.normal.dot(surface.origin - ray.origin) / surface.normal.dot(ray.direction);
-    if (!(t > near && t < t_max)) return false;
+    if (!span.contains(t)) return false;
     const Vector3d p = ray.at(t) - surface.origin;
     b = surface.dual_down.dot(p);
     if (b < 0 || b > 1) return false;
@@ -175,7 +175,7 @@ Hit Solid::trace(const Ray& ray, double t_max, double near) const {
       }
     } else {
       for (int i = here.first; i < here.first + here.count; ++i)
-        if (meet(surfaces_[order_[i]], ray, near, nearest, hit)) {
+        if (meet(surfaces_[order_[i]], ray, {near, nearest}, hit)) {
           nearest = hit.t;
           hit.surface = order_[i];
         }

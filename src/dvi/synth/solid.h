@@ -20,6 +20,13 @@ struct Ray {
   Eigen::Vector3d at(double t) const { return origin + t * direction; }
 };
 
+/// The open interval of a ray in which intersections count.
+struct RaySpan {
+  double near, far;
+
+  bool contains(double t) const { return t > near && t < far; }
+};
+
 /// The light of a day: color factors (BGR) of a surface by its normal.
 struct Light {
   Eigen::Vector3d to_sun = Eigen::Vector3d::UnitZ();
@@ -54,9 +61,11 @@ struct Hit {
 /// Surfaces in a bounding volume hierarchy.
 class Solid {
  public:
-  /// Adds a surface by its corners as seen from outside. The upper edge is parallel to the lower one and not longer.
-  Surface& add(const Eigen::Vector3d& lower_left, const Eigen::Vector3d& lower_right, const Eigen::Vector3d& upper_left,
-               const Eigen::Vector3d& upper_right, TexturePtr texture);
+  /// The corners of a surface as seen from outside. The upper edge is parallel to the lower one and not longer.
+  struct Corners {
+    Eigen::Vector3d lower_left, lower_right, upper_left, upper_right;
+  };
+  Surface& add(const Corners& corners, TexturePtr texture);
   /// Adds an upright cylinder on `foot`.
   Surface& add_cylinder(const Eigen::Vector3d& foot, double radius, double height, TexturePtr texture);
   void add(const Solid& other, const SE3& this_from_other);
@@ -78,7 +87,7 @@ class Solid {
         count = 0;  ///< range in `order_`; with count 0, the node is an inner one, with the children `first` and `first` + 1
   };
   void split(int node, int first, int count, const std::vector<Eigen::AlignedBox3d>& boxes);
-  bool meet(const Surface& surface, const Ray& ray, double near, double t_max, Hit& hit) const;
+  static bool meet(const Surface& surface, const Ray& ray, const RaySpan& span, Hit& hit);
 
   std::vector<Surface> surfaces_;
   std::vector<int> order_;

@@ -25,7 +25,7 @@ TEST(Solid, FindsTheNearestSurfaceLikeBruteForce) {
     const Vector3d at(random.uniform(-9, 9), random.uniform(-9, 9), random.uniform(-9, 9));
     const Vector3d right(random.normal(), random.normal(), random.normal()),
         up(random.normal(), random.normal(), random.normal());
-    for (Solid* solid : {&one, &all}) solid->add(at, at + right, at + up + 0.2 * right, at + up + 0.7 * right, white());
+    for (Solid* solid : {&one, &all}) solid->add({at, at + right, at + up + 0.2 * right, at + up + 0.7 * right}, white());
     one.finish();
   }
   all.finish();
@@ -43,7 +43,7 @@ TEST(Solid, FindsTheNearestSurfaceLikeBruteForce) {
 
 TEST(Solid, HasCompleteLeaningTrapezoids) {
   Solid solid;
-  solid.add({0, 0, 0}, {1, 0, 0}, {3, 0, 2}, {3.8, 0, 2}, white());
+  solid.add({{0, 0, 0}, {1, 0, 0}, {3, 0, 2}, {3.8, 0, 2}}, white());
   solid.finish();
   const auto hit = [&](double x, double z) { return bool(solid.trace(toward({x, -5, z}, {x, 0, z}), 100)); };
   EXPECT_TRUE(hit(0.05, 0.01));
@@ -59,7 +59,7 @@ TEST(Solid, LetsRaysPassThroughHoles) {
   cv::Mat1b alpha(8, 8, uchar{255});
   alpha(cv::Rect(0, 0, 4, 8)).setTo(0);
   Solid solid;
-  solid.add({0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {1, 0, 1}, white(alpha));
+  solid.add({{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {1, 0, 1}}, white(alpha));
   solid.finish();
   EXPECT_FALSE(solid.trace(toward({0.3, -2, 0.5}, {0.3, 0, 0.5}), 100));
   EXPECT_TRUE(solid.trace(toward({0.7, -2, 0.5}, {0.7, 0, 0.5}), 100));

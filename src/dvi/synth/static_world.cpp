@@ -105,10 +105,10 @@ class Builder {
     const bool left = house.side > 0;
     const double d = left ? kLeftFacadeM : kRightFacadeM, back = d + (left ? 9 : -9), h = house.height;
     const double s0 = left ? house.begin : house.end, s1 = left ? house.end : house.begin;
-    solid.add(at(s0, d, 0), at(s1, d, 0), at(s0, d, h), at(s1, d, h), front);
+    solid.add({at(s0, d, 0), at(s1, d, 0), at(s0, d, h), at(s1, d, h)}, front);
     // Gables are visible above lower neighbors.
     const TexturePtr wall = paint_plain(random(51, 2 * house.number + left), noise_, {120, 130, 142});
-    for (const double s : {house.begin, house.end}) solid.add(at(s, back, 0), at(s, d, 0), at(s, back, h), at(s, d, h), wall);
+    for (const double s : {house.begin, house.end}) solid.add({at(s, back, 0), at(s, d, 0), at(s, back, h), at(s, d, h)}, wall);
     place_signs(house, d, left ? -1 : 1);
     const double reach = h / sun_.z();
     const bool toward_street = left ? sun_.y() > 0 : sun_.y() < 0;
@@ -131,16 +131,16 @@ class Builder {
                    height = dice.uniform(0.8, 1.9);
       const TexturePtr sign = paint_sign(dice, noise_, 0.9, height);
       const double outer = d + 1.1 * inward, inner = d + 0.15 * inward, l = std::max(inner, outer), r = std::min(inner, outer);
-      solid.add(at(s, l, z), at(s, r, z), at(s, l, z + height), at(s, r, z + height), sign);
+      solid.add({at(s, l, z), at(s, r, z), at(s, l, z + height), at(s, r, z + height)}, sign);
     }
     if (dice.below(2) == 0) {  // an awning
       const double length = dice.uniform(2.2, 3.6), s = dice.uniform(house.begin + 0.5, house.end - length - 0.3),
                    out = d + 1.3 * inward;
       Canvas stripes(length, 1.4, 60, random_color(dice, 60, 220));
-      for (double x = 0; x < length; x += 0.5) stripes.box(x, 0, 0.25, 1.4, {225, 228, 230});
+      for (double x = 0; x < length; x += 0.5) stripes.box({x, 0, 0.25, 1.4}, {225, 228, 230});
       roughen(stripes.picture, noise_, 5, {dice.below(512), dice.below(512)});
       const double s0 = inward < 0 ? s : s + length, s1 = inward < 0 ? s + length : s;
-      solid.add(at(s0, out, 2.45), at(s1, out, 2.45), at(s0, d, 2.95), at(s1, d, 2.95),
+      solid.add({at(s0, out, 2.45), at(s1, out, 2.45), at(s0, d, 2.95), at(s1, d, 2.95)},
                 std::make_shared<Texture>(stripes.picture));
     }
   }
@@ -149,7 +149,7 @@ class Builder {
     const double height = 11 + 2.0 * number, l = number == 1 ? kLeftFacadeM + 9 : kRightFacadeM - 9,
                  r = number == 1 ? kRightFacadeM - 9 : kLeftFacadeM + 9;
     const TexturePtr front = paint_facade(random(71, number), noise_, std::abs(l - r), height);
-    solid.add(at(s, l, 0), at(s, r, 0), at(s, l, height), at(s, r, height), front);
+    solid.add({at(s, l, 0), at(s, r, 0), at(s, l, height), at(s, r, height)}, front);
   }
 
   void place_curbs() {
@@ -157,7 +157,7 @@ class Builder {
     for (const double d : {kLeftCurbM, kRightCurbM})
       for (double s = kBeginM; s < end_; s += 2) {
         const double s0 = d > 0 ? s : s + 2, s1 = d > 0 ? s + 2 : s;
-        solid.add(at(s0, d, 0), at(s1, d, 0), at(s0, d, kPavementHeightM), at(s1, d, kPavementHeightM), stone);
+        solid.add({at(s0, d, 0), at(s1, d, 0), at(s0, d, kPavementHeightM), at(s1, d, kPavementHeightM)}, stone);
       }
   }
 
@@ -200,11 +200,11 @@ class Builder {
     lamp.solid.add_cylinder({0, 0, 0}, 0.08, 6.2, metal_);
     const double reach = -1.6 * side;
     add_frustum(lamp.solid, {-0.12, 0.12, 0.05, 6.0}, {-0.12, 0.12, 0.05, 6.12}, {metal_, metal_, metal_, metal_, metal_});
-    lamp.solid.add({-0.05, 0, 6.05}, {-0.05, reach, 6.05}, {-0.05, 0, 6.13}, {-0.05, reach, 6.13}, metal_);
-    lamp.solid.add({-0.2, reach, 6.02}, {-0.2, reach + 0.6 * side, 6.02}, {0.2, reach, 6.16}, {0.2, reach + 0.6 * side, 6.16},
+    lamp.solid.add({{-0.05, 0, 6.05}, {-0.05, reach, 6.05}, {-0.05, 0, 6.13}, {-0.05, reach, 6.13}}, metal_);
+    lamp.solid.add({{-0.2, reach, 6.02}, {-0.2, reach + 0.6 * side, 6.02}, {0.2, reach, 6.16}, {0.2, reach + 0.6 * side, 6.16}},
                    metal_);
     const TexturePtr board = paint_sign(random(95, static_cast<int>(s)), noise_, 0.7, 0.7);
-    lamp.solid.add({-0.1, 0.35, 2.3}, {-0.1, -0.35, 2.3}, {-0.1, 0.35, 3.0}, {-0.1, -0.35, 3.0}, board);
+    lamp.solid.add({{-0.1, 0.35, 2.3}, {-0.1, -0.35, 2.3}, {-0.1, 0.35, 3.0}, {-0.1, -0.35, 3.0}}, board);
     stand(lamp, s, d);
     shades.push_back({round(s, d, 0.2), 0.3, 0.1});
   }
@@ -253,8 +253,8 @@ class Builder {
                      sand = paint_plain(random(76, 2), noise_, {120, 160, 182}, 14);
     Model fence, heap;
     for (const double z : {0.25, 0.75}) {
-      fence.solid.add({-0.9, 0, z}, {0.9, 0, z}, {-0.9, 0, z + 0.25}, {0.9, 0, z + 0.25}, board);
-      fence.solid.add({0.9, 0.03, z}, {-0.9, 0.03, z}, {0.9, 0.03, z + 0.25}, {-0.9, 0.03, z + 0.25}, board);
+      fence.solid.add({{-0.9, 0, z}, {0.9, 0, z}, {-0.9, 0, z + 0.25}, {0.9, 0, z + 0.25}}, board);
+      fence.solid.add({{0.9, 0.03, z}, {-0.9, 0.03, z}, {0.9, 0.03, z + 0.25}, {-0.9, 0.03, z + 0.25}}, board);
     }
     for (const double x : {-0.8, 0.8}) fence.solid.add_cylinder({x, 0.015, 0}, 0.03, 1.1, wood);
     add_frustum(heap.solid, {-1.8, 1.8, 0.8, 0}, {-0.5, 0.6, 0.15, 0.9}, {sand, sand, sand, sand, sand});
@@ -345,8 +345,12 @@ StaticWorld::StaticWorld(const SynthOptions& options, const Noise& noise) {
   Builder builder(options, noise, street);
   builder.build();
   solid = std::move(builder.solid);
-  ground =
-      Ground(street, static_cast<std::uint64_t>(options.seed), noise, kBeginM, builder.end() + 2, builder.shades, options.wet);
+  ground = Ground(street, noise,
+                  {.seed = static_cast<std::uint64_t>(options.seed),
+                   .s_begin = kBeginM,
+                   .s_end = builder.end() + 2,
+                   .shades = builder.shades,
+                   .wet = options.wet});
 }
 
 }  // namespace dvi::synth

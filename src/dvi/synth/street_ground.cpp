@@ -21,30 +21,35 @@ class GroundPainter {
         noise_(noise),
         picture_(make_plain_picture(pixels(kTopM - kBottomM), pixels(kChunkM + 2 * kMarginM), {106, 105, 103})) {}
 
-  cv::Mat3b paint(int number, const std::vector<Shade>& shades, bool wet) {
+  cv::Mat3b paint(int number, const GroundPlan& plan) {
     roughen(picture_, noise_, 12, offset(0));
     for (int cell = number - 1; cell <= number + 1; ++cell) paint_wear(cell);
     paint_wheel_tracks();
     paint_lines();
     for (const double curb : {kLeftCurbM, kRightCurbM}) {
       const double side = curb > 0 ? -1 : 1;
-      box(-1e3, curb, 2e3, side * 0.35, {70, 72, 74});  // gutter
+      box({-1e3, curb, 2e3, side * 0.35}, {70, 72, 74});  // gutter
     }
     paint_pavement(kLeftCurbM, kTopM);
     paint_pavement(kBottomM, kRightCurbM);
-    if (wet) paint_water();
-    for (const Shade& shade : shades) paint_shade(shade);
+    if (plan.wet) paint_water();
+    for (const Shade& shade : plan.shades) paint_shade(shade);
     return picture_;
   }
 
  private:
+  struct Lines {
+    cv::Mat color, cover;  // `cover` shows which pixels are painted
+  };
+
   static int pixels(double meters) { return static_cast<int>(std::lround(meters / kTexelM)); }
   cv::Point at(double s, double d) const { return {pixels(std::clamp(s - s0_, -50.0, 60.0)), pixels(kTopM - d)}; }
   // The noise is continuous over the whole street: its pixels are counted from s = 0.
   cv::Point offset(int shift) const { return {pixels(s0_) + shift, 3 * shift}; }
-  void box(double s, double d, double length, double width, const cv::Scalar& color, cv::Mat* target = nullptr) {
+  // `area` is s, d, length, and width, in meters.
+  void box(const cv::Rect2d& area, const cv::Scalar& color, cv::Mat* target = nullptr) {
     cv::Mat& on = target ? *target : picture_;
-    const cv::Rect rect = cv::Rect(at(s, d), at(s + length, d + width)) & cv::Rect({}, on.size());
+    const cv::Rect rect = cv::Rect(at(area.x, area.y), at(area.x + area.width, area.y + area.height)) & cv::Rect({}, on.size());
     if (!rect.empty()) cv::rectangle(on, rect, color, cv::FILLED);
   }
 
@@ -104,53 +109,53 @@ class GroundPainter {
   }
 
   void paint_lines() {
-    cv::Mat color = picture_.clone(), cover = cv::Mat1b::zeros(picture_.size());
-    const auto stripe = [&](double s, double d, double length, double width, const cv::Scalar& ink) {
-      box(s, d, length, width, ink, &color);
-      box(s, d, length, width, 255, &cover);
+    Lines lines{picture_.clone(), cv::Mat1b::zeros(picture_.size())};
+    const auto stripe = [&](const cv::Rect2d& area, const cv::Scalar& ink) {
+      box(area, ink, &lines.color);
+      box(area, 255, &lines.cover);
     };
     const cv::Scalar white(214, 217, 216), yellow(75, 175, 212);
-    for (const double d : {0.08, -0.2}) stripe(-1e3, d, 2e3, 0.12, yellow);
-    stripe(-1e3, kLaneWidthM - 0.06, 2e3, 0.12, white);
-    stripe(-1e3, -2 * kLaneWidthM - 0.06, 2e3, 0.12, white);
-    for (double s = -60; s < s0_ + 20; s += 6) stripe(s, -kLaneWidthM - 0.07, 2.4, 0.14, white);
+    for (const double d : {0.08, -0.2}) stripe({-1e3, d, 2e3, 0.12}, yellow);
+    stripe({-1e3, kLaneWidthM - 0.06, 2e3, 0.12}, white);
+    stripe({-1e3, -2 * kLaneWidthM - 0.06, 2e3, 0.12}, white);
+    for (double s = -60; s < s0_ + 20; s += 6) stripe({s, -kLaneWidthM - 0.07, 2.4, 0.14}, white);
     for (double s = -56; s < s0_ + 20; s += 6.2)  // parking bays
-      for (const double d : {kLaneWidthM, kRightCurbM}) stripe(s, d, 0.1, 2.2, white);
+      for (const double d : {kLaneWidthM, kRightCurbM}) stripe({s, d, 0.1, 2.2}, white);
     for (int k = -1; crossing(k) < s0_ + 20; ++k) {
-      for (double d = kRightCurbM + 0.5; d < kLeftCurbM - 0.6; d += 0.95) stripe(crossing(k), d, 3.2, 0.48, white);
-      for (const double d : {-0.5 * kLaneWidthM, -1.5 * kLaneWidthM}) stripe(crossing(k) - 1.6, d - 1.5, 0.4, 3.0, white);
-      for (const double d : {-0.5 * kLaneWidthM, -1.5 * kLaneWidthM}) arrow(crossing(k) + 16, d, color, cover, white);
+      for (double d = kRightCurbM + 0.5; d < kLeftCurbM - 0.6; d += 0.95) stripe({crossing(k), d, 3.2, 0.48}, white);
+      for (const double d : {-0.5 * kLaneWidthM, -1.5 * kLaneWidthM}) stripe({crossing(k) - 1.6, d - 1.5, 0.4, 3.0}, white);
+      for (const double d : {-0.5 * kLaneWidthM, -1.5 * kLaneWidthM}) arrow(crossing(k) + 16, d, lines, white);
     }
     for (int y = 0; y < picture_.rows; ++y)
       for (int x = 0; x < picture_.cols; ++x) {
-        if (cover.at<uchar>(y, x) == 0) continue;
+        if (lines.cover.at<uchar>(y, x) == 0) continue;
         const cv::Point seed = offset(77);
         const float share = std::clamp(0.82F + 0.2F * noise_(x + seed.x, y + seed.y), 0.2F, 1.0F);
         for (int c = 0; c < 3; ++c)
           picture_(y, x)[c] = cv::saturate_cast<uchar>(static_cast<float>(picture_(y, x)[c]) * (1 - share) +
-                                                       static_cast<float>(color.at<cv::Vec3b>(y, x)[c]) * share);
+                                                       static_cast<float>(lines.color.at<cv::Vec3b>(y, x)[c]) * share);
       }
   }
 
-  void arrow(double s, double d, cv::Mat& color, cv::Mat& cover, const cv::Scalar& ink) const {
+  void arrow(double s, double d, Lines& lines, const cv::Scalar& ink) const {
     if (std::abs(s - s0_) > 40) return;
     const std::vector<cv::Point> outline = {at(s, d + 0.08),      at(s + 2.4, d + 0.08), at(s + 2.4, d + 0.3), at(s + 3.9, d),
                                             at(s + 2.4, d - 0.3), at(s + 2.4, d - 0.08), at(s, d - 0.08)};
-    cv::fillPoly(color, std::vector<std::vector<cv::Point>>{outline}, ink);
-    cv::fillPoly(cover, std::vector<std::vector<cv::Point>>{outline}, 255);
+    cv::fillPoly(lines.color, std::vector<std::vector<cv::Point>>{outline}, ink);
+    cv::fillPoly(lines.cover, std::vector<std::vector<cv::Point>>{outline}, 255);
   }
 
   void paint_pavement(double low, double high) {
     constexpr double kSlabM = 0.5;
-    box(-1e3, low, 2e3, high - low, {140, 146, 150});
+    box({-1e3, low, 2e3, high - low}, {140, 146, 150});
     const int first = static_cast<int>(std::floor(s0_ / kSlabM));
     for (int i = first; i < first + static_cast<int>((kChunkM + 2 * kMarginM) / kSlabM) + 2; ++i)
       for (int j = 0; low + j * kSlabM < high; ++j) {
         Random random = make_random(seed_, 12 + (low > 0 ? 1 : 0), i * 64 + j);
         const double width = std::min(kSlabM, high - low - j * kSlabM), tone = random.uniform(-16, 14);
-        box(i * kSlabM, low + j * kSlabM, kSlabM, width, {140 + tone, 146 + tone, 149 + tone});
-        box(i * kSlabM, low + j * kSlabM, 0.025, width, {88, 92, 94});
-        box(i * kSlabM, low + j * kSlabM, kSlabM, 0.025, {88, 92, 94});
+        box({i * kSlabM, low + j * kSlabM, kSlabM, width}, {140 + tone, 146 + tone, 149 + tone});
+        box({i * kSlabM, low + j * kSlabM, 0.025, width}, {88, 92, 94});
+        box({i * kSlabM, low + j * kSlabM, kSlabM, 0.025}, {88, 92, 94});
       }
     const cv::Rect rect = cv::Rect(0, at(0, high).y, picture_.cols, pixels(high - low)) & cv::Rect({}, picture_.size());
     cv::Mat3b part = picture_(rect);
@@ -186,16 +191,15 @@ class GroundPainter {
 
 double crossing(int number) { return 26 + 70.0 * number; }
 
-Ground::Ground(const Street& street, std::uint64_t seed, const Noise& noise, double s_begin, double s_end,
-               const std::vector<Shade>& shades, bool wet)
-    : street_(street), begin_(kChunkM * std::floor(s_begin / kChunkM)) {
-  const auto count = static_cast<std::size_t>(std::ceil((s_end - begin_) / kChunkM));
+Ground::Ground(const Street& street, const Noise& noise, const GroundPlan& plan)
+    : street_(street), begin_(kChunkM * std::floor(plan.s_begin / kChunkM)) {
+  const auto count = static_cast<std::size_t>(std::ceil((plan.s_end - begin_) / kChunkM));
   chunks_.reserve(count);
   for_blocks(count, [&](std::size_t first, std::size_t last) {
     std::vector<cv::Mat3b> pictures(last - first);
     parallel_for(pictures.size(), [&](std::size_t i) {
       const double s = begin_ + kChunkM * static_cast<double>(first + i);
-      pictures[i] = GroundPainter(s - kMarginM, seed, noise).paint(static_cast<int>(std::lround(s / kChunkM)), shades, wet);
+      pictures[i] = GroundPainter(s - kMarginM, plan.seed, noise).paint(static_cast<int>(std::lround(s / kChunkM)), plan);
     });
     for (const cv::Mat3b& picture : pictures) chunks_.emplace_back(picture);
     Texture::page_out();

@@ -15,12 +15,19 @@ struct Shade {
   double softness_m = 0.3;
 };
 
+/// The part of the street whose ground is painted, and its look.
+struct GroundPlan {
+  std::uint64_t seed = 0;
+  double s_begin = 0, s_end = 0;
+  std::vector<Shade> shades;
+  bool wet = false;
+};
+
 /// The carriageway and pavements: two planes, with one picture per ten meters of the street.
 class Ground {
  public:
   Ground() = default;
-  Ground(const Street& street, std::uint64_t seed, const Noise& noise, double s_begin, double s_end,
-         const std::vector<Shade>& shades, bool wet);
+  Ground(const Street& street, const Noise& noise, const GroundPlan& plan);
 
   struct Place {
     double t = std::numeric_limits<double>::infinity();

@@ -73,7 +73,8 @@ fs::path find_camera_folder(const Scene& scene, std::size_t camera, const fs::pa
   return camera == 0 ? folder : folder / scene.cameras()[camera].name;
 }
 
-void write_image(const Scene& scene, int frame, std::size_t camera, const SynthFrame& rendered, const fs::path& out) {
+void write_image(const Scene& scene, int frame, std::size_t camera, const fs::path& out) {
+  const SynthFrame rendered = scene.render(frame, camera);
   const std::string& folder = scene.cameras()[camera].name;
   const std::string png = scene.name(frame) + ".png";
   media::write_png(out / "images" / folder / png, scene.record(frame, rendered, camera));
@@ -92,8 +93,7 @@ std::string to_label_bytes(const std::vector<std::uint32_t>& labels) {
 }
 
 void write_frame(const Scene& scene, int frame, const fs::path& out) {
-  for (std::size_t camera = 0; camera < scene.cameras().size(); ++camera)
-    write_image(scene, frame, camera, scene.render(frame, camera), out);
+  for (std::size_t camera = 0; camera < scene.cameras().size(); ++camera) write_image(scene, frame, camera, out);
   if (scene.options().room) return;
   const std::string name = scene.name(frame);
   const SynthScan scan = scene.scan(frame);

@@ -29,13 +29,6 @@ Leg make_leg(double phase, double y) {
   return leg;
 }
 
-void add_limb(Solid& solid, const Vector3d& low, const Vector3d& high, double half_width, const TexturePtr& cloth) {
-  Solid part;
-  add_frustum(part, {low.x() - half_width, low.x() + half_width, half_width, low.z()},
-              {high.x() - half_width, high.x() + half_width, half_width, high.z()}, {cloth, cloth, cloth, cloth, cloth});
-  solid.add(part, {Eigen::Matrix3d::Identity(), {0, low.y(), 0}});
-}
-
 Model make_walker_at(double phase, const Clothes& clothes) {
   const std::array<Leg, 2> legs = {make_leg(phase, 0.1), make_leg(phase + std::numbers::pi, -0.1)};
   // The lower foot is on the ground.
@@ -45,8 +38,8 @@ Model make_walker_at(double phase, const Clothes& clothes) {
   Solid& solid = model.solid;
   for (const Leg& leg : legs) {
     const Vector3d foot = leg.foot + up;
-    add_limb(solid, leg.knee + up, leg.hip + up, 0.085, clothes.trousers);
-    add_limb(solid, foot, leg.knee + up, 0.07, clothes.trousers);
+    add_limb(solid, {leg.knee + up, leg.hip + up, 0.085}, clothes.trousers);
+    add_limb(solid, {foot, leg.knee + up, 0.07}, clothes.trousers);
     Solid shoe;
     add_frustum(shoe, {foot.x() - 0.09, foot.x() + 0.18, 0.055, foot.z() - 0.09},
                 {foot.x() - 0.08, foot.x() + 0.08, 0.055, foot.z()},
@@ -56,11 +49,11 @@ Model make_walker_at(double phase, const Clothes& clothes) {
   for (const double side : {1.0, -1.0}) {  // arms swing opposite to the legs
     const double swing = -0.4 * side * std::sin(phase);
     const Vector3d shoulder = Vector3d(0, 0.215 * side, 1.4) + up;
-    add_limb(solid, shoulder + 0.62 * Vector3d(std::sin(swing), 0, -std::cos(swing)), shoulder, 0.055, clothes.coat);
+    add_limb(solid, {shoulder + 0.62 * Vector3d(std::sin(swing), 0, -std::cos(swing)), shoulder, 0.055}, clothes.coat);
   }
-  add_limb(solid, Vector3d(0, 0, 0.8) + up, Vector3d(0, 0, 1.45) + up, 0.155, clothes.coat);
-  add_limb(solid, Vector3d(0.01, 0, 1.45) + up, Vector3d(0.01, 0, 1.64) + up, 0.1, clothes.skin);
-  add_limb(solid, Vector3d(0, 0, 1.62) + up, Vector3d(0, 0, 1.74) + up, 0.11, clothes.hair);
+  add_limb(solid, {Vector3d(0, 0, 0.8) + up, Vector3d(0, 0, 1.45) + up, 0.155}, clothes.coat);
+  add_limb(solid, {Vector3d(0.01, 0, 1.45) + up, Vector3d(0.01, 0, 1.64) + up, 0.1}, clothes.skin);
+  add_limb(solid, {Vector3d(0, 0, 1.62) + up, Vector3d(0, 0, 1.74) + up, 0.11}, clothes.hair);
   solid.finish();
   return model;
 }

@@ -148,6 +148,7 @@ class CompletedObjects::FrameDrawing {
   FrameDrawing(const CompletedObjects& objects, const CameraEvidence& camera, std::size_t frame, const SE3& world_from_lidar)
       : all_(objects),
         drive_(camera.drive),
+        frame_(frame),
         time_ns_(drive_.frames[frame].time_ns),
         lidar_from_world_(world_from_lidar.inverse()),
         camera_from_world_(drive_.camera_from_lidar * lidar_from_world_),
@@ -156,9 +157,8 @@ class CompletedObjects::FrameDrawing {
     if (scan_) space_ = objects.returns_.free_space(*scan_);
   }
 
-  // Draws an object where `mask` lacks it into `completed`, and where the mask shows it into `shown`.
-  void draw(int number, const CompletedObject& object, const cv::Mat1b& mask, std::vector<Label>& completed,
-            std::vector<Label>& shown) {
+  // Draws an object into the outlines of the frame: where `mask` lacks it, and where the mask shows it.
+  void draw(int number, const CompletedObject& object, const cv::Mat1b& mask, ObjectOutlines& out) {
     const ObjectColumns occupied = fill_columns(object);
     std::vector<ObjectColumns> moving;
     for (const Track& track : object.tracks)
@@ -192,8 +192,8 @@ class CompletedObjects::FrameDrawing {
       add(drawn, (camera_from_world_ * box->frame_from_box.t).z(), 1);
       bodies_.push_back({drawn, 0});
     }
-    add_label(number, type, lacking, completed);
-    add_label(number, type, covered, shown);
+    add_label(number, type, lacking, out.completed[frame_]);
+    add_label(number, type, covered, out.shown[frame_]);
   }
 
   // Returns the background that bounding boxes of a mask cover, once all objects are drawn.
@@ -337,6 +337,7 @@ class CompletedObjects::FrameDrawing {
 
   const CompletedObjects& all_;
   const Drive& drive_;
+  std::size_t frame_;
   std::int64_t time_ns_;
   SE3 lidar_from_world_, camera_from_world_;
   Eigen::Vector3d camera_in_world_;
@@ -355,7 +356,7 @@ ObjectOutlines CompletedObjects::draw(const CameraMaskEvidence& evidence) const 
     if (!pose) return;
     FrameDrawing drawing(*this, camera, i, *pose);
     const auto mask = evidence.removed[i];
-    for (const auto& [number, object] : objects_) drawing.draw(number, object, *mask, out.completed[i], out.shown[i]);
+    for (const auto& [number, object] : objects_) drawing.draw(number, object, *mask, out);
     if (!refine_) return;
     const cv::Mat1b background = drawing.find_covered_background(i, *evidence.masks[i], camera.world_from_lidar);
     if (cv::countNonZero(background) == 0) return;

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
+#include <optional>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
+
+#include "dvi/objects/assign_tracks.h"
 
 namespace dvi::objects {
 namespace {
@@ -63,7 +65,7 @@ void DetectionTracker::add(std::int64_t time_ns, Detections detections) {
   times_.push_back(time_ns);
   std::erase_if(active_, [&](const Track& track) { return time_ns - times_[track.frame] > kDetectionTracking.max_gap_ns; });
 
-  std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;  // minus overlap, track, detection
+  std::vector<TrackCandidate> candidates;
   for (std::size_t t = 0; t < active_.size(); ++t) {
     const cv::Point2d motion = active_[t].velocity * (1e-9 * static_cast<double>(time_ns - times_[active_[t].frame]));
     const cv::Point shift(cvRound(motion.x), cvRound(motion.y));
@@ -71,24 +73,17 @@ void DetectionTracker::add(std::int64_t time_ns, Detections detections) {
       if (detections[d].type == active_[t].last.type)
         if (const double overlap = compute_overlap(active_[t].last, shift, detections[d]);
             overlap >= kDetectionTracking.min_overlap)
-          pairs.emplace_back(-overlap, t, d);
+          candidates.push_back({-overlap, t, d});
   }
-  std::sort(pairs.begin(), pairs.end());
-  std::vector<int> track_of(detections.size(), -1);
-  std::vector<char> continued(active_.size());
-  for (const auto& [_, t, d] : pairs) {
-    if (continued[t] != 0 || track_of[d] >= 0) continue;
-    continued[t] = 1;
-    track_of[d] = static_cast<int>(t);
-  }
+  std::vector<std::optional<std::size_t>> track_of = assign_tracks(std::move(candidates), detections.size());
   for (std::size_t d = 0; d < detections.size(); ++d) {
-    if (track_of[d] < 0) {
-      active_.push_back({tracks_++, times_.size() - 1, detections[d], {}});
-      track_of[d] = static_cast<int>(active_.size()) - 1;
+    if (track_of[d]) {
+      continue_track(active_[*track_of[d]], detections[d]);
     } else {
-      continue_track(active_[static_cast<std::size_t>(track_of[d])], detections[d]);
+      track_of[d] = active_.size();
+      active_.push_back({tracks_++, times_.size() - 1, detections[d], {}});
     }
-    objects_.push_back({times_.size() - 1, active_[static_cast<std::size_t>(track_of[d])].id, std::move(detections[d]), false});
+    objects_.push_back({times_.size() - 1, active_[*track_of[d]].id, std::move(detections[d]), false});
   }
 }
 
