@@ -26,8 +26,8 @@ class ThreadLimit {
 /// Returns the maximum number of threads.
 int thread_count();
 
-/// Returns the CPU seconds of the calling thread and of the threads that worked for it in parallel_for(). It grows by what a
-/// task costs, however many threads share it.
+/// Returns the CPU seconds of the calling thread, with those of other threads for its calls of parallel_for(): the cost of a
+/// task, however many threads share it.
 double task_cpu_seconds();
 
 /// Calls body(i) for i in [0, count), in any order, on all threads. Each call must write its own output only. The caller merges

@@ -50,7 +50,7 @@ bool is_in_circle(const Site& a, const Site& b, const Site& c, const Site& d) {
 }
 
 /// The Delaunay triangulation of sites that are inserted from top to bottom: each new site is outside the convex hull of the
-/// earlier ones, is connected to all hull edges that it sees, and edges are flipped until all circles are empty (C. L. Lawson,
+/// earlier ones, is connected to all hull edges that face it, and edges are flipped until all circles are empty (C. L. Lawson,
 /// Software for C1 surface interpolation, 1977). Directed edge e of triangle e / 3 starts at corner origin_[e].
 class Triangulation {
  public:
@@ -118,7 +118,7 @@ class Triangulation {
       twin_[twin] = edge;
   }
 
-  /// Inserts a site below all others; `last` is the one inserted before, which it sees.
+  /// Inserts a site below all others; `last` is the one inserted before, which faces it.
   void insert(std::int32_t site, std::int32_t last) {
     const auto is_visible = [&](std::int32_t from) { return area(sites_[from], sites_[next_[from]], sites_[site]) < 0; };
     std::int32_t first = last;

@@ -184,18 +184,16 @@ class GroundGrowth {
 
 ScanGround::ScanGround(const Drive& drive, const Trajectory& world_from_lidar) {
   std::map<Square, LevelSums> squares;
-  for_blocks(drive.scan_headers.size(), [&](std::size_t first, std::size_t last) {
-    std::vector<std::vector<LevelReturn>> levels(last - first);
-    parallel_for(levels.size(), [&](std::size_t i) {
-      levels[i] = bin_returns(*drive.scans[first + i], drive.scan_headers[first + i], world_from_lidar);
-    });
-    for (const std::vector<LevelReturn>& scan : levels)
-      for (const LevelReturn& level : scan) {
-        LevelSum& level_sum = squares[{level.x, level.y}][level.step];
-        ++level_sum.count;
-        level_sum.sum += level.z;
-      }
-  });
+  make_and_use(
+      drive.scan_headers.size(),
+      [&](std::size_t i) { return bin_returns(*drive.scans[i], drive.scan_headers[i], world_from_lidar); },
+      [&](std::size_t, const std::vector<LevelReturn>& scan) {
+        for (const LevelReturn& level : scan) {
+          LevelSum& level_sum = squares[{level.x, level.y}][level.step];
+          ++level_sum.count;
+          level_sum.sum += level.z;
+        }
+      });
   std::map<Square, double> lows;
   for (const auto& [square, levels_of_square] : squares)
     if (const auto height = find_lowest_level(levels_of_square)) lows.emplace(square, *height);

@@ -63,15 +63,13 @@ void ScanSums::add(const FilteredScan& scan, std::size_t drive, std::int64_t tim
 void gather(const std::vector<MapInput>& inputs, const MapOptions& options, ScanSums& all, const Tick& tick) {
   for (std::size_t drive = 0; drive < inputs.size(); ++drive) {
     const std::vector<ScanHeader>& scan_headers = inputs[drive].drive->scan_headers;
-    for_blocks(scan_headers.size(), [&](std::size_t first, std::size_t last) {
-      std::vector<FilteredScan> filtered(last - first);
-      parallel_for(filtered.size(), [&](std::size_t i) { filtered[i] = filter_scan(inputs[drive], options, first + i); });
-      for (std::size_t i = 0; i < filtered.size(); ++i) {  // in order, so that sums do not depend on the scheduling
-        all.add(filtered[i], drive, scan_headers[first + i].time_ns);
-        tick();
-      }
-      all.observed.voxels.page_out();
-    });
+    make_and_use(
+        scan_headers.size(), [&](std::size_t i) { return filter_scan(inputs[drive], options, i); },
+        [&](std::size_t i, const FilteredScan& scan) {  // in order, so that sums do not depend on the scheduling
+          all.add(scan, drive, scan_headers[i].time_ns);
+          all.observed.voxels.page_out();
+          tick();
+        });
   }
 }
 

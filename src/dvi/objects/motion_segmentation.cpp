@@ -18,18 +18,16 @@ namespace dvi::objects {
 MotionSegmentation segment_motion(MovingReturns& returns, const Tick& tick) {
   Tracker tracker;
   std::vector<Contradictions> contradictions(returns.scans());
-  for_blocks(returns.scans(), [&](std::size_t first, std::size_t last) {
-    std::vector<std::vector<Cluster>> clusters(last - first);
-    parallel_for(clusters.size(), [&](std::size_t i) {
-      const ObstacleReturns found = returns.vote(first + i);
-      contradictions[first + i] = find_contradictions(found);
-      clusters[i] = find_clusters(found);
-      for (Cluster& cluster : clusters[i]) cluster.scan = first + i;
-    });
-    for (std::size_t i = first; i < last; ++i) {
-      tracker.add(std::move(clusters[i - first]));
-      tick();
-    }
+  const auto find = [&](std::size_t scan) {
+    const ObstacleReturns found = returns.vote(scan);
+    contradictions[scan] = find_contradictions(found);
+    std::vector<Cluster> clusters = find_clusters(found);
+    for (Cluster& cluster : clusters) cluster.scan = scan;
+    return clusters;
+  };
+  make_and_use(returns.scans(), find, [&](std::size_t, std::vector<Cluster> clusters) {
+    tracker.add(std::move(clusters));
+    tick();
   });
   MotionSegmentation out{extend_through_stationary_phases(tracker.finish(), returns), {}};
   out.contradictory_scans = find_contradictory_scans(contradictions, out.tracks);
@@ -44,16 +42,14 @@ MotionSegmentation segment_motion(MovingReturns& returns, const Tick& tick) {
 
 std::vector<Track> track_labeled(const MovingReturns& returns, const Tick& tick) {
   Tracker tracker([](const Track&) { return true; });
-  for_blocks(returns.scans(), [&](std::size_t first, std::size_t last) {
-    std::vector<std::vector<Cluster>> clusters(last - first);
-    parallel_for(clusters.size(), [&](std::size_t i) {
-      clusters[i] = find_labeled_clusters(*returns.obstacles(first + i));
-      for (Cluster& cluster : clusters[i]) cluster.scan = first + i;
-    });
-    for (std::size_t i = first; i < last; ++i) {
-      tracker.add(std::move(clusters[i - first]));
-      tick();
-    }
+  const auto find = [&](std::size_t scan) {
+    std::vector<Cluster> clusters = find_labeled_clusters(*returns.obstacles(scan));
+    for (Cluster& cluster : clusters) cluster.scan = scan;
+    return clusters;
+  };
+  make_and_use(returns.scans(), find, [&](std::size_t, std::vector<Cluster> clusters) {
+    tracker.add(std::move(clusters));
+    tick();
   });
   std::vector<Track> tracks = tracker.finish();
   for (Track& track : tracks) estimate_extent(track);

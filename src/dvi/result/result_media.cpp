@@ -45,6 +45,13 @@ cv::Mat3b mark_input(const cv::Mat3b& input, const cv::Mat1b& kind, const std::s
   return out;
 }
 
+/// The images of a frame in the videos.
+struct MediaFrame {
+  cv::Mat3b input, result;
+  cv::Mat1b kind;
+  cv::Mat3b marked;  ///< the input with the outline of the hole
+};
+
 /// Makes a row of the contact sheet: the whole frame, then the part with most removed pixels in full size.
 std::vector<media::SheetCell> make_sheet_row(const cv::Mat3b& input, const cv::Mat3b& result, const cv::Mat1b& kind,
                                              const std::string& name) {
@@ -72,26 +79,25 @@ void write_media(const fs::path& out, const FinishedFrames& frames, const media:
   media::VideoWriter compare(out / "compare.mp4", {size.width, 2 * (size.height + size.height % 2)}, options);
   const std::size_t rows = std::min(kSheetRows, names.size());
   std::vector<std::vector<media::SheetCell>> sheet;
-  for_blocks(names.size(), [&](std::size_t first, std::size_t last) {
-    std::vector<cv::Mat3b> inputs(last - first), marked(last - first), results(last - first);
-    std::vector<cv::Mat1b> kinds(last - first);
-    parallel_for(last - first, [&](std::size_t i) {
-      inputs[i] = frames.read_input(first + i);
-      results[i] = media::read_image(out / "frames" / (names[first + i] + ".png"), size);
-      kinds[i] = media::read_png_gray(out / "kind" / (names[first + i] + ".png"), size);
-      marked[i] = mark_input(inputs[i], kinds[i], names[first + i]);
-    });
-    parallel_for(2, [&](std::size_t which) {
-      for (std::size_t i = 0; i < results.size(); ++i)
-        which == 0 ? compare.push_stacked({marked[i], results[i]}) : video.push(results[i]);
-    });
-    for (std::size_t i = 0; i < results.size(); ++i) {
-      // Rows evenly spread over the drive, the first and the last frame among them.
-      if (sheet.size() < rows && first + i == (rows > 1 ? sheet.size() * (names.size() - 1) / (rows - 1) : 0))
-        sheet.push_back(make_sheet_row(inputs[i], results[i], kinds[i], names[first + i]));
-      progress.advance();
-    }
-  });
+  std::vector<MediaFrame> items(names.size());
+  const auto read = [&](std::size_t i) {
+    items[i] = {frames.read_input(i),
+                media::read_image(out / "frames" / (names[i] + ".png"), size),
+                media::read_png_gray(out / "kind" / (names[i] + ".png"), size),
+                {}};
+    items[i].marked = mark_input(items[i].input, items[i].kind, names[i]);
+  };
+  const auto finish = [&](std::size_t i) {
+    compare.push_stacked({items[i].marked, items[i].result});
+    // Rows evenly spread over the drive, the first and the last frame among them.
+    if (sheet.size() < rows && i == (rows > 1 ? sheet.size() * (names.size() - 1) / (rows - 1) : 0))
+      sheet.push_back(make_sheet_row(items[i].input, items[i].result, items[i].kind, names[i]));
+    items[i] = {};
+    progress.advance();
+  };
+  run_pipeline(names.size(), {{PipelineStep::Order::any, read},
+                              {PipelineStep::Order::ascending, [&](std::size_t i) { video.push(items[i].result); }},
+                              {PipelineStep::Order::ascending, finish}});
   video.finish();
   compare.finish();
   media::write_png(out / "contact.png", media::make_contact_sheet(sheet, kCellWidthPx));
