@@ -23,7 +23,8 @@ void add_eval(Program& program) {
   const auto a = std::make_shared<Arguments>();
   Command command = program.command("eval", "Metrics of a result, against the truth if it is known");
   command.positional("OUT", a->out, "A result of dvi run");
-  command.option("--truth", a->truth, "Folder of true frames, NAME.png; without it, only artifacts and ghosts are counted");
+  command.option("--truth", a->truth,
+                 "Folder of true frames, NAME.png; without it, only artifacts, look, and ghosts are reported");
   command.option("--ignore", a->ignore, "Folder of masks NAME.png, 255 = do not score");
   command.option("--masks", a->masks, "Folder of masks NAME.png, 255 = score, instead of the masks of OUT");
   command.option("--external", a->external,

@@ -176,6 +176,7 @@ Evaluation score(const EvaluationFolders& folders, const ExternalFrames* externa
   std::function<fs::path(const std::string&)> filled;
   if (external) filled = [&](const std::string& name) { return find_frame(*external, name); };
   collector.evaluation.artifacts = count_artifacts(folders.out, names, [] {}, filled);  // ignored pixels, too
+  collector.evaluation.look = measure_look(folders.out, names, [] {}, filled);
   return collector.finish();
 }
 
@@ -203,6 +204,7 @@ Evaluation evaluate(const EvaluationFolders& folders, const BeginPart& begin) {
     Evaluation evaluation;
     evaluation.has_truth = false;
     evaluation.artifacts = count_artifacts(folders.out, names, begin("eval", names.size()));
+    evaluation.look = measure_look(folders.out, names, begin("look", names.size()));
     return evaluation;
   }
   const Tick tick = begin("eval", names.size() * (1 + folders.external.size()));

@@ -11,6 +11,7 @@
 
 #include "dvi/metrics/artifacts.h"
 #include "dvi/metrics/ghosts.h"
+#include "dvi/metrics/look.h"
 #include "dvi/metrics/point_scores.h"
 
 namespace dvi::metrics {
@@ -75,7 +76,7 @@ struct FrameEvaluation {
 struct ExternalEvaluation;
 
 struct Evaluation {
-  bool has_truth = true;  ///< false: only the artifacts and ghosts are known
+  bool has_truth = true;  ///< false: only the figures without a truth are known
   ByOrigin total;
   std::array<std::optional<Intervals>, kOrigins.size()> intervals;  ///< nothing if fewer than two frames have such pixels
   Figures whole_frame;  ///< of whole scored frames, whose other pixels count as exact; MAE to SSIM only
@@ -84,6 +85,7 @@ struct Evaluation {
   std::vector<std::string> unscored;                                   ///< frames without scored pixels
   std::vector<std::string> warnings;
   Artifacts artifacts;
+  std::optional<Look> look;  ///< nothing without unobserved pixels that are filled
   std::optional<Ghosts> ghosts;
   std::string ghosts_left_out;        ///< the reason why ghosts are unknown; empty if it was not asked for them
   std::optional<PointScores> points;  ///< nothing without a truth of the labels of points
@@ -103,6 +105,7 @@ std::string format_table(const Evaluation& evaluation);
 /// Convert to JSON; undefined values are null.
 void to_json(nlohmann::json& json, const Artifacts& artifacts);
 void to_json(nlohmann::json& json, const Ghosts& ghosts);
+void to_json(nlohmann::json& json, const Look& look);
 void to_json(nlohmann::json& json, const Evaluation& evaluation);
 
 }  // namespace dvi::metrics

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "dvi/core/json_optional.h"
 #include "dvi/metrics/evaluation.h"
 
 namespace dvi::metrics {
@@ -61,6 +62,29 @@ void to_json(nlohmann::json& json, const Artifacts& a) {
           {"flashes", a.flashes},       {"ring_flashes", a.ring_flashes},       {"overshoots", a.overshoots}};
 }
 
+static void to_json(nlohmann::json& json, const LookSums& sums) {
+  json = {{"pixels", sums.pixels},       {"judged_pixels", sums.judged}, {"look", sums.look()},   {"texture", sums.texture()},
+          {"boundary", sums.boundary()}, {"blank", sums.blank()},        {"color", sums.color()}, {"impact", sums.impact()}};
+}
+
+static void to_json(nlohmann::json& json, const LookFrame& frame) {
+  json = frame.sums;
+  json["name"] = frame.name;
+}
+
+static void to_json(nlohmann::json& json, const LookPart& part) {
+  json = part.sums;
+  json["frame"] = part.frame;
+  json["box"] = {part.box.x, part.box.y, part.box.width, part.box.height};
+}
+
+void to_json(nlohmann::json& json, const Look& look) {
+  json = look.total;
+  json["per_frame"] = look.frames;
+  json["worst_frames"] = look.find_worst_frames();
+  json["worst_parts"] = look.find_worst_parts();
+}
+
 static void to_json(nlohmann::json& json, const GhostCounts& counts) {
   json = {{"copied", counts.copied},
           {"ghosts", counts.ghosts},
@@ -116,7 +140,8 @@ void to_json(nlohmann::json& json, const Evaluation& evaluation) {
   json["version"] = 1;
   json["warnings"] = evaluation.warnings;
   json["artifacts"] = evaluation.artifacts;
-  json["ghosts"] = evaluation.ghosts ? nlohmann::json(*evaluation.ghosts) : nlohmann::json();
+  json["look"] = evaluation.look;
+  json["ghosts"] = evaluation.ghosts;
   json["ghosts_left_out"] = evaluation.ghosts_left_out.empty() ? nlohmann::json() : nlohmann::json(evaluation.ghosts_left_out);
   if (evaluation.points) json["points"] = *evaluation.points;
   json["external"] = nlohmann::json::object();

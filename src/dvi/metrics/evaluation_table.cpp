@@ -53,6 +53,23 @@ std::string format_scores(const Evaluation& evaluation) {
   return text;
 }
 
+std::string format_number(const std::optional<double>& value, int digits) {
+  return value ? format_number(*value, digits) : "-";
+}
+
+std::string format_look(const Look& look) {
+  const LookSums& sums = look.total;
+  std::string text = fmt::format(
+      "look of {} unobserved pixels: {} (texture {} + boundary {}; 0: as their surroundings), {} % blank, color {}\n",
+      sums.pixels, format_number(sums.look(), 2), format_number(sums.texture(), 2), format_number(sums.boundary(), 2),
+      format_number(100 * sums.blank().value_or(0), 1), format_number(sums.color(), 1));
+  const std::vector<LookPart> worst = look.find_worst_parts();
+  for (std::size_t i = 0; i < worst.size(); ++i)
+    text += fmt::format("{}{} at {},{} ({:.2f})", i == 0 ? "  worst parts: frame " : ", ", worst[i].frame, worst[i].box.x,
+                        worst[i].box.y, *worst[i].sums.look());
+  return text + (worst.empty() ? "" : "\n");
+}
+
 std::string format_percent(double share) { return fmt::format("{:.2f} %", 100 * share); }
 
 // Formats the tracks that are refilled most.
@@ -119,6 +136,7 @@ std::string format_table(const Evaluation& evaluation) {
   text += fmt::format("per million hole pixels: {:.0f} flash (in the scene around the holes: {:.0f}), {:.0f} overshoot\n",
                       evaluation.artifacts.flash_ppm(), evaluation.artifacts.ring_flash_ppm(),
                       evaluation.artifacts.overshoot_ppm());
+  if (evaluation.look) text += format_look(*evaluation.look);
   if (evaluation.ghosts) text += format_ghosts(*evaluation.ghosts);
   if (!evaluation.ghosts_left_out.empty()) text += "ghosts: not known, because " + evaluation.ghosts_left_out + "\n";
   if (evaluation.points) text += format_points(*evaluation.points);

@@ -9,12 +9,13 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/hash.h"
+#include "dvi/core/json_optional.h"
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/media/image_file.h"
 #include "dvi/media/write_image.h"
-#include "dvi/metrics/artifacts.h"
 #include "dvi/metrics/evaluation.h"
+#include "dvi/metrics/without_truth.h"
 #include "dvi/report/report.h"
 #include "dvi/result/manifest.h"
 #include "dvi/result/result_folder.h"
@@ -185,7 +186,7 @@ cv::Mat3b FillImport::read_input(std::size_t frame) const {
 }
 
 void FillImport::write_reports(Progress& progress) const {
-  const metrics::Artifacts artifacts = metrics::count_artifacts(out_, names_, progress.parts()("artifacts", names_.size()));
+  const metrics::FiguresWithoutTruth figures = metrics::measure_without_truth(out_, names_, progress.parts());
   progress.begin("report", names_.size());
   json document = read_run_report(out_ / "report.json")->document();
   HoleReport hole;
@@ -195,7 +196,8 @@ void FillImport::write_reports(Progress& progress) const {
     hole += document["frames"].back().at("hole").get<HoleReport>();
   }
   document["hole"] = hole;
-  document["artifacts"] = artifacts;
+  document["artifacts"] = figures.artifacts;
+  document["look"] = figures.look;
   const std::string text = json_text(document);
   write_report(
       job_, {names_, fingerprint_},

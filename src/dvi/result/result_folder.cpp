@@ -326,7 +326,7 @@ void ResultFolder::remove_map() const {
 }
 
 RunReport ResultFolder::make_report(const RunResults& results, const std::vector<objects::RemovedObject>& removed,
-                                    const metrics::Artifacts& artifacts, const Progress& progress) const {
+                                    const metrics::FiguresWithoutTruth& figures, const Progress& progress) const {
   nlohmann::json frames = nlohmann::json::array();
   HoleReport hole;
   for (const std::string& name : names_) {
@@ -346,7 +346,8 @@ RunReport ResultFolder::make_report(const RunResults& results, const std::vector
                     {"baseline", job::is_baseline(job_.method)},
                     {"drives", drives_json(drives_, results.poses, results.cameras)},
                     {"hole", hole},
-                    {"artifacts", artifacts},
+                    {"artifacts", figures.artifacts},
+                    {"look", figures.look},
                     {"stationary", stationary},
                     {"objects", objects_summary(removed)},
                     {"map", results.map != nullptr ? map_json(*results.map) : nlohmann::json()},
@@ -375,7 +376,7 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
   }
   const auto read_input = [&](std::size_t i) { return *target.images[results.views[i].frame]; };
   write_media(out_, {names_, {target.camera.width, target.camera.height}, read_input}, job_.options.video, progress);
-  const metrics::Artifacts artifacts = metrics::count_artifacts(out_, names_, progress.parts()("artifacts", names_.size()));
+  const metrics::FiguresWithoutTruth figures = metrics::measure_without_truth(out_, names_, progress.parts());
   progress.end();
   write_file(out_ / "dvi.toml", format_options());
   std::optional<RunReport> finished;
@@ -384,7 +385,7 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
       job_, {names_, fingerprint_},
       [&] {
         progress.end();
-        finished = make_report(results, removed, artifacts, progress);
+        finished = make_report(results, removed, figures, progress);
         const std::string text = to_json(*finished);
         write_file(out_ / "report.json", text + "\n");
         return text;

@@ -8,7 +8,7 @@
 #include "dvi/core/files.h"
 #include "dvi/core/folder_lock.h"
 #include "dvi/inputs/make_views.h"
-#include "dvi/metrics/artifacts.h"
+#include "dvi/metrics/without_truth.h"
 #include "dvi/objects/removed_objects.h"
 #include "dvi/result/filled_view.h"
 #include "dvi/result/run_report.h"
@@ -118,7 +118,7 @@ class ResultFolder {
   void remove_unlisted_files() const;
   void remove_map() const;
   RunReport make_report(const RunResults& results, const std::vector<objects::RemovedObject>& removed,
-                        const metrics::Artifacts& artifacts, const Progress& progress) const;
+                        const metrics::FiguresWithoutTruth& figures, const Progress& progress) const;
 
   const job::Job& job_;
   const inputs::Recordings& drives_;
