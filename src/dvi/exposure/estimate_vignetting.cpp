@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstddef>
 #include <utility>
+#include <vector>
 
 #include "dvi/core/median.h"
+#include "dvi/core/threads.h"
 
 namespace dvi::exposure {
 namespace {
@@ -61,13 +63,17 @@ double compute_cost(const std::vector<Ratio>& ratios, float k) {
 }
 
 float estimate_strength(std::size_t first, std::size_t last, const Lazy<PointObservations>& observed) {
-  std::vector<Ratio> even, odd;
+  std::vector<std::size_t> views;
   const std::size_t step = std::max<std::size_t>(1, (last - first) / kVignetting.pairs);
-  for (std::size_t i = first, n = 0; i + kVignetting.view_distance < last; i += step, ++n) {
-    const std::vector<Ratio> ratios = compute_ratios(*observed[i], *observed[i + kVignetting.view_distance]);
-    std::vector<Ratio>& half = n % 2 == 0 ? even : odd;
-    half.insert(half.end(), ratios.begin(), ratios.end());
-  }
+  for (std::size_t i = first; i + kVignetting.view_distance < last; i += step) views.push_back(i);
+  std::vector<Ratio> even, odd;
+  make_and_use(
+      views.size(),
+      [&](std::size_t n) { return compute_ratios(*observed[views[n]], *observed[views[n] + kVignetting.view_distance]); },
+      [&](std::size_t n, const std::vector<Ratio>& ratios) {
+        std::vector<Ratio>& half = n % 2 == 0 ? even : odd;
+        half.insert(half.end(), ratios.begin(), ratios.end());
+      });
   const bool is_confirmed = compute_cost(odd, fit_strength(even)) < compute_cost(odd, 0) &&
                             compute_cost(even, fit_strength(odd)) < compute_cost(even, 0);
   even.insert(even.end(), odd.begin(), odd.end());

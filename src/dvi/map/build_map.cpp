@@ -60,6 +60,8 @@ void ScanSums::add(const FilteredScan& scan, std::size_t drive, std::int64_t tim
   }
 }
 
+constexpr std::size_t kPageOutScans = 8;  // scans after which the map is paged out
+
 void gather(const std::vector<MapInput>& inputs, const MapOptions& options, ScanSums& all, const Tick& tick) {
   for (std::size_t drive = 0; drive < inputs.size(); ++drive) {
     const std::vector<ScanHeader>& scan_headers = inputs[drive].drive->scan_headers;
@@ -67,7 +69,7 @@ void gather(const std::vector<MapInput>& inputs, const MapOptions& options, Scan
         scan_headers.size(), [&](std::size_t i) { return filter_scan(inputs[drive], options, i); },
         [&](std::size_t i, const FilteredScan& scan) {  // in order, so that sums do not depend on the scheduling
           all.add(scan, drive, scan_headers[i].time_ns);
-          all.observed.voxels.page_out();
+          if (i % kPageOutScans == 0) all.observed.voxels.page_out();
           tick();
         });
   }

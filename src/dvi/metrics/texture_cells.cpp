@@ -106,7 +106,8 @@ std::vector<std::vector<TextureCell>> collect_texture_cells(const cv::Mat3b& ima
                                                             std::size_t set_count) {
   CellGrid grid(sets, set_count);
   grid.add_colors(image);
-  cv::Mat1f gray(gray_8bit(image));
+  cv::Mat1f gray;
+  gray_8bit(image).convertTo(gray, CV_32F);
   for (int scale = 0; scale < kTextureScales; ++scale) {
     if (scale > 0) {
       cv::Mat1f half;
