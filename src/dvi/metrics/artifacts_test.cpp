@@ -11,7 +11,7 @@ class ArtifactsTest : public ResultFixture {
  protected:
   Artifacts count(const std::vector<std::string>& names) const { return count_artifacts(folder / "out", names); }
   void add_result(const std::string& name, const cv::Mat3b& result) const {
-    add(name, make_scene(kSize, 0), result, box(kHole), box(kHole, 1));
+    add(name, {make_scene(kSize, 0), result, box(kHole), box(kHole, 1)});
   }
   static cv::Mat3b make_spot(uchar level) {
     cv::Mat3b image = make_scene(kSize, 0);
@@ -49,12 +49,12 @@ TEST_F(ArtifactsTest, ASpotThatStaysDoesNotFlash) {
 }
 
 TEST_F(ArtifactsTest, FramesWithoutHoleAndSmallImagesHaveNone) {
-  add("0", make_scene(kSize, 0), make_scene(kSize, 0), cv::Mat1b(kSize, uchar{0}), cv::Mat1b(kSize, uchar{0}));
+  add("0", {make_scene(kSize, 0), make_scene(kSize, 0), cv::Mat1b(kSize, uchar{0}), cv::Mat1b(kSize, uchar{0})});
   EXPECT_EQ(count({"0"}).hole, 0U);
   EXPECT_EQ(count({"0"}).flash_ppm(), 0);
   const cv::Size small(16, 16);
   for (const char* name : {"1", "2", "3"})
-    add(name, make_scene(small, 0), make_scene(small, 0), cv::Mat1b(small, uchar{255}), cv::Mat1b(small, uchar{1}));
+    add(name, {make_scene(small, 0), make_scene(small, 0), cv::Mat1b(small, uchar{255}), cv::Mat1b(small, uchar{1})});
   const Artifacts found = count({"1", "2", "3"});
   EXPECT_EQ(found.hole, 3U * 256);
   EXPECT_EQ(found.hole_between, 0U);

@@ -53,7 +53,7 @@ TEST_F(Evaluate, CountsEachKindSeparately) {
   for (int y = 0; y < kSize.height; ++y)
     for (int x = 0; x < kSize.width; ++x)
       for (int c = 0; c < 3; ++c) result(y, x)[c] = static_cast<uchar>(100 + 2 * kind(y, x));
-  add("a", truth, result, box(kHole), kind);
+  add("a", {truth, result, box(kHole), kind});
   const Evaluation e = run();
   EXPECT_DOUBLE_EQ(e.total[Origin::all].mae, 6);
   EXPECT_DOUBLE_EQ(e.total[Origin::copied].mae, 3);
@@ -68,7 +68,7 @@ TEST_F(Evaluate, CountsEachKindSeparately) {
 
 TEST_F(Evaluate, CountsPixelsOfAnotherProgramAsImported) {
   const cv::Mat3b truth(kSize, cv::Vec3b(100, 100, 100));
-  add("a", truth, cv::Mat3b(kSize, cv::Vec3b(104, 104, 104)), box(kHole), box(kHole, 6));
+  add("a", {truth, cv::Mat3b(kSize, cv::Vec3b(104, 104, 104)), box(kHole), box(kHole, 6)});
   const Evaluation e = run();
   EXPECT_DOUBLE_EQ(e.total[Origin::imported].mae, 4);
   EXPECT_DOUBLE_EQ(e.total[Origin::imported].share, 1);
@@ -78,8 +78,8 @@ TEST_F(Evaluate, CountsPixelsOfAnotherProgramAsImported) {
 
 TEST_F(Evaluate, PoolsErrorsButAveragesPsnrOverFrames) {
   const cv::Mat3b truth(kSize, cv::Vec3b(100, 100, 100));
-  add("a", truth, cv::Mat3b(kSize, cv::Vec3b(101, 101, 101)), box({10, 10, 10, 10}), box({10, 10, 10, 10}, 1));
-  add("b", truth, cv::Mat3b(kSize, cv::Vec3b(110, 110, 110)), box({10, 10, 10, 30}), box({10, 10, 10, 30}, 3));
+  add("a", {truth, cv::Mat3b(kSize, cv::Vec3b(101, 101, 101)), box({10, 10, 10, 10}), box({10, 10, 10, 10}, 1)});
+  add("b", {truth, cv::Mat3b(kSize, cv::Vec3b(110, 110, 110)), box({10, 10, 10, 30}), box({10, 10, 10, 30}, 3)});
   const Evaluation e = run();
   EXPECT_DOUBLE_EQ(e.total[Origin::all].mae, (1 * 100 + 10 * 300) / 400.0);
   EXPECT_NEAR(e.total[Origin::all].psnr, (10 * std::log10(65025.0) + 10 * std::log10(650.25)) / 2, 1e-9);
@@ -90,9 +90,9 @@ TEST_F(Evaluate, PoolsErrorsButAveragesPsnrOverFrames) {
 TEST_F(Evaluate, ExcludesIgnoredPixelsAndFramesWithoutScoredPixels) {
   cv::Mat3b wrong = make_scene(kSize, 0);
   wrong(cv::Rect(30, 20, 40, 10)) = cv::Vec3b(0, 0, 0);
-  add("a", make_scene(kSize, 0), wrong, box(kHole), box(kHole, 1));
-  add("b", make_scene(kSize, 0), wrong, box(kHole), box(kHole, 1));
-  add("c", make_scene(kSize, 0), wrong, box({}), box({}));
+  add("a", {make_scene(kSize, 0), wrong, box(kHole), box(kHole, 1)});
+  add("b", {make_scene(kSize, 0), wrong, box(kHole), box(kHole, 1)});
+  add("c", {make_scene(kSize, 0), wrong, box({}), box({})});
   fs::remove(folder / "truth/c.png");
   media::write_png(folder / "ignore/a.png", box({30, 20, 40, 10}));
   media::write_png(folder / "ignore/b.png", box(kHole));
@@ -109,7 +109,7 @@ TEST_F(Evaluate, ScoresThePixelsOfTheGivenMasks) {
   // The run fills its hole perfectly, but its mask lacks the lower half of the object.
   cv::Mat3b result = make_scene(kSize, 0);
   result(cv::Rect(30, 50, 40, 10)) = cv::Vec3b(0, 0, 0);
-  add("a", make_scene(kSize, 0), result, box(kHole), box(kHole, 1));
+  add("a", {make_scene(kSize, 0), result, box(kHole), box(kHole, 1)});
   make_folder(folder / "masks");
   EvaluationFolders given = folders();
   given.masks = folder / "masks";
@@ -150,7 +150,7 @@ TEST_F(Evaluate, DoesNotUseTheTruthFarFromTheMasks) {
   for (int i = 0; i < 3; ++i) {
     const cv::Mat3b whole = make_scene(kSize, i);
     whole(known).copyTo(near(known));
-    add(std::to_string(i), near, whole, box(kHole), box(kHole, 1));
+    add(std::to_string(i), {near, whole, box(kHole), box(kHole, 1)});
   }
   const Evaluation e = run();
   EXPECT_EQ(e.total[Origin::all].mae, 0);
@@ -164,7 +164,7 @@ TEST_F(Evaluate, MeasuresFlicker) {
     const cv::Mat3b truth = make_scene(kSize, 1.3 * i);
     cv::Mat3b result = truth.clone();
     result(kHole) += cv::Scalar::all(i % 2 ? 20 : 0);
-    add(std::to_string(i), truth, result, box(kHole), box(kHole, 4));
+    add(std::to_string(i), {truth, result, box(kHole), box(kHole, 4)});
   }
   const Evaluation e = run();
   EXPECT_GT(e.total[Origin::synthesized].flicker, 3);
@@ -173,19 +173,19 @@ TEST_F(Evaluate, MeasuresFlicker) {
 }
 
 TEST_F(Evaluate, FlickerIsUndefinedForAStaticTruth) {
-  for (int i = 0; i < 3; ++i) add(std::to_string(i), make_scene(kSize, 0), make_scene(kSize, 2), box(kHole), box(kHole, 1));
+  for (int i = 0; i < 3; ++i) add(std::to_string(i), {make_scene(kSize, 0), make_scene(kSize, 2), box(kHole), box(kHole, 1)});
   EXPECT_TRUE(std::isnan(run().total[Origin::all].flicker));  // the truth has none to compare with
 }
 
 TEST_F(Evaluate, MeasuresShiftsAndBlur) {
   cv::Mat3b shifted = make_scene(kSize, 0);
   make_scene(kSize, 2)(kHole).copyTo(shifted(kHole));
-  add("shifted", make_scene(kSize, 0), shifted, box(kHole), box(kHole, 2));
+  add("shifted", {make_scene(kSize, 0), shifted, box(kHole), box(kHole, 2)});
   EXPECT_NEAR(run().total[Origin::copied].position_error_px, 2, 0.4);
 
   cv::Mat3b flat = make_scene(kSize, 0);
   flat(kHole) = cv::Vec3b(128, 128, 128);
-  add("shifted", make_scene(kSize, 0), flat, box(kHole), box(kHole, 4));
+  add("shifted", {make_scene(kSize, 0), flat, box(kHole), box(kHole, 4)});
   const Evaluation e = run();
   EXPECT_LT(e.total[Origin::all].sharpness, 0.2);
   EXPECT_TRUE(std::isnan(e.total[Origin::all].position_error_px));
@@ -193,7 +193,7 @@ TEST_F(Evaluate, MeasuresShiftsAndBlur) {
 
 TEST_F(Evaluate, DoesNotDependOnTheNumberOfThreads) {
   for (int i = 0; i < 5; ++i)
-    add(std::to_string(i), make_scene(kSize, i), make_scene(kSize, i + 0.4), box(kHole), box(kHole, 1));
+    add(std::to_string(i), {make_scene(kSize, i), make_scene(kSize, i + 0.4), box(kHole), box(kHole, 1)});
   const auto with = [&](int threads) {
     const ThreadLimit limit(threads);
     const nlohmann::json json = run();
@@ -245,7 +245,7 @@ TEST_F(Evaluate, AgreesWithNumpyInsideTheMaskAndOverWholeFrames) {
           truth(y, x)[c] = static_cast<uchar>(value);
           result(y, x)[c] = static_cast<uchar>(kHole.contains({x, y}) ? other : value);
         }
-    add(std::to_string(100 + k), truth, result, box(kHole), box(kHole, 1));
+    add(std::to_string(100 + k), {truth, result, box(kHole), box(kHole, 1)});
   }
   const Evaluation e = run();
   const Figures& all = e.total[Origin::all];
@@ -262,7 +262,7 @@ TEST_F(Evaluate, AgreesWithNumpyInsideTheMaskAndOverWholeFrames) {
 TEST_F(Evaluate, WholeFramesExcludeIgnoredPixels) {
   cv::Mat3b wrong = make_scene(kSize, 0);
   wrong(cv::Rect(30, 20, 40, 10)) = cv::Vec3b(0, 0, 0);
-  add("a", make_scene(kSize, 0), wrong, box(kHole), box(kHole, 1));
+  add("a", {make_scene(kSize, 0), wrong, box(kHole), box(kHole, 1)});
   media::write_png(folder / "ignore/a.png", box({30, 20, 40, 10}));
   EXPECT_LT(run().whole_frame.ssim, 0.99);
   EXPECT_EQ(run(true).whole_frame.mae, 0);
@@ -273,7 +273,7 @@ TEST_F(Evaluate, OnlyFlickerDependsOnTheOrderOfFrames) {
   const std::vector<double> shifts = {0, 0.6, 1.7, 0.3};
   const auto add_in_order = [&](const std::vector<std::size_t>& order) {
     for (std::size_t i = 0; i < order.size(); ++i)
-      add(std::to_string(i), make_scene(kSize, 0), make_scene(kSize, shifts[order[i]]), box(kHole), box(kHole, 1));
+      add(std::to_string(i), {make_scene(kSize, 0), make_scene(kSize, shifts[order[i]]), box(kHole), box(kHole, 1)});
   };
   add_in_order({0, 1, 2, 3});
   const Evaluation one = run();
@@ -288,10 +288,10 @@ TEST_F(Evaluate, OnlyFlickerDependsOnTheOrderOfFrames) {
 }
 
 TEST_F(Evaluate, HasIntervalsForTwoFramesOrMore) {
-  add("a", make_scene(kSize, 0), make_scene(kSize, 1), box(kHole), box(kHole, 1));
+  add("a", {make_scene(kSize, 0), make_scene(kSize, 1), box(kHole), box(kHole, 1)});
   EXPECT_FALSE(run().intervals[0]);
   EXPECT_TRUE(nlohmann::json(run())["all"]["interval"].is_null());
-  add("b", make_scene(kSize, 0), make_scene(kSize, 2), box(kHole), box(kHole, 4));
+  add("b", {make_scene(kSize, 0), make_scene(kSize, 2), box(kHole), box(kHole, 4)});
   const Evaluation e = run();
   const nlohmann::json json = e;
   EXPECT_TRUE(json["copied"]["interval"].is_null()) << "one frame only has copied pixels";
@@ -305,7 +305,7 @@ TEST_F(Evaluate, ComparesTheConfidenceWithTheError) {
   const cv::Mat3b truth(kSize, cv::Vec3b(100, 100, 100));
   cv::Mat3b result = truth.clone();
   result(cv::Rect(30, 20, 20, 30)) = cv::Vec3b(100, 111, 100);  // half of the hole
-  add("a", truth, result, box(kHole), box(kHole, 1));
+  add("a", {truth, result, box(kHole), box(kHole, 1)});
   EXPECT_TRUE(nlohmann::json(run())["confidence"].is_null());
   EXPECT_THAT(format_table(run()), testing::Not(HasSubstr("confidence")));
 
@@ -329,8 +329,8 @@ TEST_F(Evaluate, ComparesTheConfidenceWithTheError) {
 }
 
 TEST_F(Evaluate, WarnsThatNothingIsScored) {
-  add("a", make_scene(kSize, 0), make_scene(kSize, 0), box({}), box({}));
-  add("b", make_scene(kSize, 0), make_scene(kSize, 0), box({}), box({}));
+  add("a", {make_scene(kSize, 0), make_scene(kSize, 0), box({}), box({})});
+  add("b", {make_scene(kSize, 0), make_scene(kSize, 0), box({}), box({})});
   const Evaluation e = run();
   EXPECT_THAT(e.warnings, ElementsAre(HasSubstr("nothing is scored: every mask is empty")));
   EXPECT_THAT(format_table(e), HasSubstr("frames without scored pixels: a b"));

@@ -22,7 +22,7 @@ class External : public ResultFixture {
   External() {
     make_folder(folder / "net");
     for (int i = 0; i < 3; ++i)
-      add(std::to_string(i), make_scene(kSize, i), make_scene(kSize, i + 0.5), box(kHole), box({30, 20, 20, 30}, 1));
+      add(std::to_string(i), {make_scene(kSize, i), make_scene(kSize, i + 0.5), box(kHole), box({30, 20, 20, 30}, 1)});
   }
   void add_external(const cv::Mat3b& (*change)(cv::Mat3b&)) const {
     for (int i = 0; i < 3; ++i) {

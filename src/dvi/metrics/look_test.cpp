@@ -177,11 +177,11 @@ TEST(TextureCells, HaveTheLengthOfGradientsByOrientation) {
 class LookOfAResult : public ResultFixture {
  protected:
   LookOfAResult() {
-    add("a", make_scene(kSize, 0), make_scene(kSize, 0), box(kHole), box(kHole, 4));
+    add("a", {make_scene(kSize, 0), make_scene(kSize, 0), box(kHole), box(kHole, 4)});
     cv::Mat3b flat = make_scene(kSize, 0);
     flat(kHole) = cv::Vec3b(0, 0, 0);
-    add("b", make_scene(kSize, 0), flat, box(kHole), box(kHole, 4));
-    add("c", make_scene(kSize, 0), make_scene(kSize, 0), box(kHole), box(kHole, 1));
+    add("b", {make_scene(kSize, 0), flat, box(kHole), box(kHole, 4)});
+    add("c", {make_scene(kSize, 0), make_scene(kSize, 0), box(kHole), box(kHole, 1)});
   }
   std::optional<Look> measure() const { return measure_look(folder / "out", {"a", "b", "c"}); }
 };

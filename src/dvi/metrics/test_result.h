@@ -30,16 +30,19 @@ class ResultFixture : public testing::Test {
     for (const char* part : {"out/frames", "out/masks", "out/kind", "truth", "ignore"}) make_folder(folder / part);
   }
 
-  void add(const std::string& name, const cv::Mat3b& truth, const cv::Mat3b& result, const cv::Mat1b& mask,
-           const cv::Mat1b& kind) const {
+  struct ResultFrame {
+    cv::Mat3b truth, result;
+    cv::Mat1b mask, kind;
+  };
+  void add(const std::string& name, const ResultFrame& frame) const {
     const std::string file = name + ".png";
-    media::write_png(folder / "truth" / file, truth);
-    media::write_png(folder / "out/frames" / file, result);
-    media::write_png(folder / "out/masks" / file, mask);
-    media::write_png(folder / "out/kind" / file, kind);
+    media::write_png(folder / "truth" / file, frame.truth);
+    media::write_png(folder / "out/frames" / file, frame.result);
+    media::write_png(folder / "out/masks" / file, frame.mask);
+    media::write_png(folder / "out/kind" / file, frame.kind);
   }
   void add_perfect(const std::string& name) const {
-    add(name, make_scene(kSize, 0), make_scene(kSize, 0), box(kHole), box(kHole, 1));
+    add(name, {make_scene(kSize, 0), make_scene(kSize, 0), box(kHole), box(kHole, 1)});
   }
   EvaluationFolders folders() const { return {folder / "out", folder / "truth"}; }
   Evaluation run(bool ignore = false) const {

@@ -165,7 +165,7 @@ HarmonizedFrame Run::harmonize(std::size_t frame) const {
 }
 
 SynthesizedFrame Run::synthesize(std::size_t frame, const HarmonizedFrame& harmonized, const CompletedViews& completed) const {
-  return context_->stages.synthesize(harmonized.filled, views_, frame, harmonized.classes, *context_->ground, completed);
+  return context_->stages.synthesize({harmonized.filled, harmonized.classes, *context_->ground}, views_, frame, completed);
 }
 
 CompletedViews Run::complete_views() {
@@ -177,8 +177,7 @@ CompletedViews Run::complete_views() {
       [&](std::size_t i, const std::shared_ptr<const HarmonizedFrame>& harmonized) {
         const SynthesizedFrame made = synthesize(selected[i], *harmonized, completed);
         if (!made.guide.group.empty())
-          completed.push_back(
-              synthesize::make_completed_view(made.frame, made.completed, made.guide, views_, selected[i], *context_->ground));
+          completed.push_back(synthesize::make_completed_view(made, views_, selected[i], *context_->ground));
         progress_.advance();
       });
   progress_.end();

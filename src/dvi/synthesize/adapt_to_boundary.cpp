@@ -41,27 +41,34 @@ struct MaskedMean {
   cv::Mat1f share;
 };
 
-/// Adds, for the inner pixels of a group, the difference of the mean colors outside and inside, and its weight.
-void add_steps(const cv::Mat3f& color, const cv::Mat1b& inner, const cv::Mat1b& group, cv::Mat3f& step, cv::Mat1f& weight) {
-  const MaskedMean inside(color, cv::Mat1b(inner & group)), outside(color, cv::Mat1b(~inner & group));
-  for (const cv::Point p : Region(cv::Mat1b(inner & group)).pixels) {
-    if (!inside.has(p) || !outside.has(p)) continue;
-    const cv::Vec3f difference = outside.at(p) - inside.at(p);
-    const float size = static_cast<float>(cv::norm(difference)) / kBoundary.edge_levels;
-    step(p) = cv::Vec3f::all((difference[0] + difference[1] + difference[2]) / 3);
-    weight(p) = std::exp(-size * size);
+/// Steps of the mean color across the boundary, from inside to outside, and their weights.
+struct BoundarySteps {
+  explicit BoundarySteps(cv::Size size) : step(size, cv::Vec3f()), weight(size, 0.0F) {}
+
+  /// Adds those at the inner pixels of a group.
+  void add(const cv::Mat3f& color, const cv::Mat1b& inner, const cv::Mat1b& group) {
+    const MaskedMean inside(color, cv::Mat1b(inner & group)), outside(color, cv::Mat1b(~inner & group));
+    for (const cv::Point p : Region(cv::Mat1b(inner & group)).pixels) {
+      if (!inside.has(p) || !outside.has(p)) continue;
+      const cv::Vec3f difference = outside.at(p) - inside.at(p);
+      const float size = static_cast<float>(cv::norm(difference)) / kBoundary.edge_levels;
+      step(p) = cv::Vec3f::all((difference[0] + difference[1] + difference[2]) / 3);
+      weight(p) = std::exp(-size * size);
+    }
   }
-}
+
+  cv::Mat3f step;
+  cv::Mat1f weight;
+};
 
 }  // namespace
 
 void adapt_to_boundary(cv::Mat3f& color, const cv::Mat1b& inner, const SurfaceGuide& guide) {
   const Region region(inner);
   if (region.pixels.empty()) return;
-  cv::Mat3f step(color.size(), cv::Vec3f());  // across the boundary, from inside to outside, of mean colors
-  cv::Mat1f weight(color.size(), 0.0F);
+  BoundarySteps steps(color.size());
   for (const Group group : {Group::ground, Group::upright})
-    add_steps(color, inner, cv::Mat1b(guide.group == static_cast<uchar>(group)), step, weight);
+    steps.add(color, inner, cv::Mat1b(guide.group == static_cast<uchar>(group)));
   const cv::Rect inside({}, inner.size());
   PoissonSystem system{region, {}, {}, 1};
   for (const cv::Point p : region.pixels) {
@@ -72,8 +79,8 @@ void adapt_to_boundary(cv::Mat3f& color, const cv::Mat1b& inner, const SurfaceGu
       if (inner(q) != 0) {
         diagonal += 1;
       } else if (guide.group(p) == guide.group(q)) {
-        diagonal += weight(p);
-        right += weight(p) * step(p);
+        diagonal += steps.weight(p);
+        right += steps.weight(p) * steps.step(p);
       }
     }
     system.diagonal.push_back(diagonal);

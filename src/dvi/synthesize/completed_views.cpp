@@ -133,8 +133,9 @@ std::vector<std::size_t> select_views_to_complete(const Views& views) {
   return out;
 }
 
-CompletedView make_completed_view(const harmonize::FilledFrame& frame, const cv::Mat1b& completed, const SurfaceGuide& guide,
-                                  const Views& views, std::size_t index, const ground::RoadGround& ground) {
+CompletedView make_completed_view(const SynthesizedFrame& made, const Views& views, std::size_t index,
+                                  const ground::RoadGround& ground) {
+  const auto& [frame, completed, guide] = made;
   const View& view = views[index];
   const SE3 world_from_camera = view.camera_from_world.inverse();
   const int width = frame.kind.cols;
@@ -168,9 +169,9 @@ CompletedView make_completed_view(const harmonize::FilledFrame& frame, const cv:
   return out;
 }
 
-cv::Mat1b show_completed_views(const CompletedViews& all, const Views& views, const View& view, const cv::Mat1b& wanted,
-                               cv::Mat3f& color) {
-  cv::Mat1b shown(wanted.size(), uchar{0}), open = wanted.clone();
+ShownPixels show_completed_views(const CompletedViews& all, const Views& views, const View& view, const cv::Mat1b& wanted) {
+  ShownPixels out{cv::Mat1b(wanted.size(), uchar{0}), cv::Mat3f(wanted.size(), cv::Vec3f())};
+  cv::Mat1b open = wanted.clone();
   const SE3 world_from_camera = view.camera_from_world.inverse();
   for (const CompletedView& completed : all) {
     const View& from = views[completed.view];
@@ -194,12 +195,12 @@ cv::Mat1b show_completed_views(const CompletedViews& all, const Views& views, co
         const float factor = vignetting_to(view, cv::Point2f(cv::Point(x, y)), from,
                                            cv::Point2f(static_cast<float>(at.x()), static_cast<float>(at.y())));
         const cv::Vec3f gain = gain_to(view, from);
-        for (int c = 0; c < 3; ++c) color(y, x)[c] = std::min((*found)[c] * gain[c] * factor, 255.0F);
-        shown(y, x) = 255;
+        for (int c = 0; c < 3; ++c) out.color(y, x)[c] = std::min((*found)[c] * gain[c] * factor, 255.0F);
+        out.shown(y, x) = 255;
         open(y, x) = 0;
       }
   }
-  return shown;
+  return out;
 }
 
 }  // namespace dvi::synthesize

@@ -13,6 +13,13 @@
 
 namespace dvi::synthesize {
 
+/// A frame whose unobserved pixels are synthesized.
+struct SynthesizedFrame {
+  harmonize::FilledFrame frame;
+  cv::Mat1b completed;  ///< 255: the pixel is not shown by any completed view and was completed in this frame.
+  SurfaceGuide guide;   ///< The surfaces of its pixels; empty if no pixel is unobserved.
+};
+
 /// The unobserved pixels of a view that were completed there, with depths. Other frames show them from their own positions.
 struct CompletedView {
   std::size_t view = 0;
@@ -31,14 +38,18 @@ using CompletedViews = std::vector<CompletedView>;
 /// from farther away: the last one, or the first one of a drive backward.
 std::vector<std::size_t> select_views_to_complete(const Views& views);
 
-/// Makes a completed view from the pixels of `completed`, 255 each, of a frame. Ground has the depth of the road's ground;
-/// upright surfaces have the depth of the frame, or that of the ground at their feet.
-CompletedView make_completed_view(const harmonize::FilledFrame& frame, const cv::Mat1b& completed, const SurfaceGuide& guide,
-                                  const Views& views, std::size_t view, const ground::RoadGround& ground);
+/// Makes a completed view from the pixels that were completed in a frame. Ground has the depth of the road's ground; upright
+/// surfaces have the depth of the frame, or that of the ground at their feet.
+CompletedView make_completed_view(const SynthesizedFrame& made, const Views& views, std::size_t view,
+                                  const ground::RoadGround& ground);
 
-/// Writes the colors of completed views into the pixels of `wanted` of a view, and returns the pixels that a completed view
-/// shows, 255 each. Of several, the first one counts.
-cv::Mat1b show_completed_views(const CompletedViews& all, const Views& views, const View& view, const cv::Mat1b& wanted,
-                               cv::Mat3f& color);
+/// The pixels of a view that completed views show.
+struct ShownPixels {
+  cv::Mat1b shown;  ///< 255 each.
+  cv::Mat3f color;  ///< In the illumination of the view; 0 elsewhere.
+};
+
+/// Shows completed views in the pixels of `wanted` of a view. Of several, the first one counts.
+ShownPixels show_completed_views(const CompletedViews& all, const Views& views, const View& view, const cv::Mat1b& wanted);
 
 }  // namespace dvi::synthesize

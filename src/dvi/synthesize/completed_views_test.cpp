@@ -69,10 +69,9 @@ TEST(CompletedViews, AreShownFromOtherPositions) {
   ASSERT_TRUE(ground.found());
   const GroundFrame made(views[5]);
   const cv::Mat1b wanted = below_horizon();
-  const CompletedView key = make_completed_view(made.frame, wanted, made.guide, views, 5, ground);
+  const CompletedView key = make_completed_view({made.frame, wanted, made.guide}, views, 5, ground);
   EXPECT_EQ(key.size(), static_cast<std::size_t>(cv::countNonZero(wanted)));
-  cv::Mat3f color(kViewSize, cv::Vec3f());
-  const cv::Mat1b shown = show_completed_views({key}, views, views[3], wanted, color);
+  const auto [shown, color] = show_completed_views({key}, views, views[3], wanted);
   EXPECT_GT(cv::countNonZero(shown), 5000);
   double error = 0;
   int count = 0;
@@ -95,9 +94,8 @@ TEST(CompletedViews, AreShownInTheIlluminationOfTheView) {
   const ground::RoadGround ground(map, views);
   GroundFrame made(views[1]);
   made.frame.color.setTo(cv::Scalar::all(120));
-  const CompletedView key = make_completed_view(made.frame, below_horizon(), made.guide, views, 1, ground);
-  cv::Mat3f color(kViewSize, cv::Vec3f());
-  const cv::Mat1b shown = show_completed_views({key}, views, views[0], below_horizon(), color);
+  const CompletedView key = make_completed_view({made.frame, below_horizon(), made.guide}, views, 1, ground);
+  const auto [shown, color] = show_completed_views({key}, views, views[0], below_horizon());
   EXPECT_NEAR(cv::mean(color, shown)[0], 60, 0.5);
 }
 
@@ -108,10 +106,9 @@ TEST(CompletedViews, TheFirstOneCounts) {
   GroundFrame dark(views[1]), bright(views[0]);
   dark.frame.color.setTo(cv::Scalar::all(20));
   bright.frame.color.setTo(cv::Scalar::all(220));
-  const CompletedViews completed{make_completed_view(dark.frame, below_horizon(), dark.guide, views, 1, ground),
-                                 make_completed_view(bright.frame, below_horizon(), bright.guide, views, 0, ground)};
-  cv::Mat3f color(kViewSize, cv::Vec3f());
-  show_completed_views(completed, views, views[0], below_horizon(), color);
+  const CompletedViews completed{make_completed_view({dark.frame, below_horizon(), dark.guide}, views, 1, ground),
+                                 make_completed_view({bright.frame, below_horizon(), bright.guide}, views, 0, ground)};
+  const cv::Mat3f color = show_completed_views(completed, views, views[0], below_horizon()).color;
   EXPECT_NEAR(color(80, 160)[0], 20, 1e-3);
   EXPECT_NEAR(color(118, 160)[0], 220, 1e-3);  // nearer than the first one shows
 }
@@ -124,7 +121,7 @@ TEST(CompletedViews, UprightSurfacesAreAtTheirDepthOrAtThatOfTheirFeet) {
   made.guide.group(cv::Rect(0, 0, kViewSize.width, 80)).setTo(static_cast<uchar>(Group::upright));
   made.frame.depth(cv::Rect(0, 0, 100, 80)).setTo(7);
   cv::Mat1b completed(kViewSize, uchar{255});
-  const CompletedView key = make_completed_view(made.frame, completed, made.guide, views, 0, ground);
+  const CompletedView key = make_completed_view({made.frame, completed, made.guide}, views, 0, ground);
   const auto depth_at = [&](int x, int y) { return key.depths_m[static_cast<std::size_t>(y) * kViewSize.width + x]; };
   EXPECT_EQ(depth_at(50, 30), 7);
   EXPECT_NEAR(depth_at(200, 30), kCameraHeightM * 250 / (80 - 39.5), 0.3);
@@ -133,9 +130,8 @@ TEST(CompletedViews, UprightSurfacesAreAtTheirDepthOrAtThatOfTheirFeet) {
 
 TEST(CompletedViews, NoneShowsNothing) {
   const Views views = drive({0});
-  cv::Mat3f color(kViewSize, cv::Vec3f());
-  EXPECT_EQ(cv::countNonZero(show_completed_views({}, views, views[0], below_horizon(), color)), 0);
-  EXPECT_EQ(cv::countNonZero(show_completed_views({CompletedView{}}, views, views[0], below_horizon(), color)), 0);
+  EXPECT_EQ(cv::countNonZero(show_completed_views({}, views, views[0], below_horizon()).shown), 0);
+  EXPECT_EQ(cv::countNonZero(show_completed_views({CompletedView{}}, views, views[0], below_horizon()).shown), 0);
 }
 
 }  // namespace

@@ -66,8 +66,8 @@ std::vector<UnknownPart> divide_for_search(const cv::Mat1b& unknown, const cv::M
   return out;
 }
 
-void complete_from_exemplars(cv::Mat3f& color, const cv::Mat1b& unknown, const cv::Mat1b& usable, const SurfaceGuide& guide,
-                             std::uint64_t seed) {
+void complete_from_exemplars(cv::Mat3f& color, const ExemplarMasks& masks, const SurfaceGuide& guide, std::uint64_t seed) {
+  const auto& [unknown, usable] = masks;
   if (cv::countNonZero(unknown) == 0) return;
   ExemplarLevel finest;
   cv::cvtColor(color, finest.color, cv::COLOR_BGR2BGRA);

@@ -26,14 +26,17 @@ struct UnknownPart {
 /// Divides unknown pixels into parts that are far from each other. Each has enough pixels of `usable` around it.
 std::vector<UnknownPart> divide_for_search(const cv::Mat1b& unknown, const cv::Mat1b& usable);
 
+/// The pixels to complete, and those that may be exemplars, 255 each.
+struct ExemplarMasks {
+  cv::Mat1b unknown, usable;
+};
+
 /// Completes unknown pixels by patches of known ones: PatchMatch (C. Barnes et al., SIGGRAPH 2009) on an image pyramid, with
 /// votes of all patches that cover a pixel (Y. Wexler et al., Space-time completion of video, PAMI 2007) and a penalty for
 /// exemplars that are used more often than others (A. Kaspar et al., Self tuning texture optimization, Eurographics 2015).
 /// Patches of the ground are transformed by the perspective of its plane, so that textures are continued along the road.
 ///
-/// `color` has initial values in the pixels of `unknown`, and is modified there only. `usable` are the pixels that may be
-/// exemplars, 255 each. Pixels without any exemplar keep their values.
-void complete_from_exemplars(cv::Mat3f& color, const cv::Mat1b& unknown, const cv::Mat1b& usable, const SurfaceGuide& guide,
-                             std::uint64_t seed);
+/// `color` has initial values in the unknown pixels, and is modified there only. Pixels without any exemplar keep their values.
+void complete_from_exemplars(cv::Mat3f& color, const ExemplarMasks& masks, const SurfaceGuide& guide, std::uint64_t seed);
 
 }  // namespace dvi::synthesize

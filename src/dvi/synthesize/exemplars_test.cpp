@@ -32,7 +32,7 @@ struct Example {
     color = truth.clone();
     color(kHole).setTo(cv::Scalar::all(110));
   }
-  void complete() { complete_from_exemplars(color, unknown, usable, guide, 1); }
+  void complete() { complete_from_exemplars(color, {unknown, usable}, guide, 1); }
 };
 
 double mean_error(const cv::Mat3f& a, const cv::Mat3f& b) {
@@ -84,7 +84,7 @@ TEST(Exemplars, AHoleAtTheBorderOfASmallImageIsCompleted) {
   cv::Mat1b unknown(corner.size(), uchar{0});
   unknown(cv::Rect(0, 0, 12, 12)).setTo(255);
   color.setTo(cv::Scalar::all(0), unknown);
-  complete_from_exemplars(color, unknown, cv::Mat1b(~unknown), example.guide.of(corner), 1);
+  complete_from_exemplars(color, {unknown, cv::Mat1b(~unknown)}, example.guide.of(corner), 1);
   EXPECT_GT(cv::mean(color, unknown)[0], 70);
 }
 

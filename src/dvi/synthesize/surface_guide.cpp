@@ -31,14 +31,18 @@ constexpr SurfaceGuideParams kSurfaceGuide;
 
 class Surfaces {
  public:
-  Surfaces(const harmonize::FilledFrame& frame, const View& view, const cv::Mat1b& classes, const ground::RoadGround& ground)
-      : frame_(frame), view_(view), classes_(classes), ground_(ground), world_from_camera_(view.camera_from_world.inverse()) {
+  Surfaces(const ClassifiedFrame& frame, const View& view)
+      : frame_(frame.filled),
+        view_(view),
+        classes_(frame.classes),
+        ground_(frame.ground),
+        world_from_camera_(view.camera_from_world.inverse()) {
     const auto here =
-        ground.found() && view.sensor == Sensor::lidar ? ground.road().locate(world_from_camera_.t.head<2>()) : std::nullopt;
+        ground_.found() && view.sensor == Sensor::lidar ? ground_.road().locate(world_from_camera_.t.head<2>()) : std::nullopt;
     if (!here) return;
     has_ground_ = true;
-    below_m_ = world_from_camera_.t.z() - ground.height(here->x() + 8, 0);
-    along_ = ground.road().direction(here->x());
+    below_m_ = world_from_camera_.t.z() - ground_.height(here->x() + 8, 0);
+    along_ = ground_.road().direction(here->x());
   }
 
   Group group_of(cv::Point p) const {
@@ -99,10 +103,10 @@ class Surfaces {
 
 }  // namespace
 
-SurfaceGuide guide_by_surfaces(const harmonize::FilledFrame& frame, const View& view, const cv::Mat1b& classes,
-                               const ground::RoadGround& ground, const cv::Mat1b& where) {
-  const Surfaces surfaces(frame, view, classes, ground);
-  const cv::Size size = frame.kind.size();
+SurfaceGuide guide_by_surfaces(const ClassifiedFrame& frame, const View& view, const cv::Mat1b& where) {
+  const Surfaces surfaces(frame, view);
+  const cv::Mat1b& kind = frame.filled.kind;
+  const cv::Size size = kind.size();
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   SurfaceGuide out{cv::Mat1b(size, uchar{0}), cv::Mat2f(size, cv::Vec2f::all(kNan))};
   const std::vector<cv::Point> pixels = Region(where).pixels;
@@ -110,7 +114,7 @@ SurfaceGuide guide_by_surfaces(const harmonize::FilledFrame& frame, const View& 
   cv::Mat1b level(out.group == static_cast<uchar>(Group::ground));
   cv::medianBlur(level, level, kSurfaceGuide.median_px);
   for (const cv::Point p : pixels) {
-    if (frame.kind(p) >= static_cast<uchar>(Kind::interpolated))
+    if (kind(p) >= static_cast<uchar>(Kind::interpolated))
       out.group(p) = static_cast<uchar>(level(p) != 0 ? Group::ground : Group::upright);
     if (out.group(p) == static_cast<uchar>(Group::ground)) out.ground(p) = surfaces.ground_of(p);
   }

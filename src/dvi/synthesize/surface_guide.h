@@ -14,9 +14,15 @@ namespace dvi::synthesize {
 /// The groups of exemplars.
 enum class Group : std::uint8_t { none, ground, upright };
 
-/// Determines the surface of each pixel of `where` in a frame: ground, or upright surfaces and the sky. `classes` are the
-/// harmonize::SurfaceClass of the pixels of the hole; empty: unknown. Without ground, all pixels are upright.
-SurfaceGuide guide_by_surfaces(const harmonize::FilledFrame& frame, const View& view, const cv::Mat1b& classes,
-                               const ground::RoadGround& ground, const cv::Mat1b& where);
+/// A filled frame with the surfaces that are known of it.
+struct ClassifiedFrame {
+  const harmonize::FilledFrame& filled;
+  const cv::Mat1b& classes;          ///< The harmonize::SurfaceClass of the pixels of the hole; empty: all unknown.
+  const ground::RoadGround& ground;  ///< That of the drive.
+};
+
+/// Determines the surface of each pixel of `where` in the frame of a view: ground, or upright surfaces and the sky. Without
+/// ground, all pixels are upright.
+SurfaceGuide guide_by_surfaces(const ClassifiedFrame& frame, const View& view, const cv::Mat1b& where);
 
 }  // namespace dvi::synthesize

@@ -116,7 +116,7 @@ void complete_parts(const std::vector<UnknownPart>& parts, const cv::Mat1b& usab
   for (const UnknownPart& part : parts) completed.push_back(color(part.box).clone());
   parallel_for(parts.size(), [&](std::size_t i) {
     const UnknownPart& part = parts[i];
-    complete_from_exemplars(completed[i], part.unknown, usable(part.box), guide.of(part.box), seed);
+    complete_from_exemplars(completed[i], {part.unknown, usable(part.box)}, guide.of(part.box), seed);
   });
   for (std::size_t i = 0; i < parts.size(); ++i) completed[i].copyTo(color(parts[i].box), parts[i].unknown);
 }
@@ -139,8 +139,9 @@ void limit_to_original(const Region& region, harmonize::FilledFrame& frame) {
 
 }  // namespace
 
-SynthesizedFrame synthesize(const harmonize::FilledFrame& frame, const Views& views, std::size_t index,
-                            const cv::Mat1b& classes, const ground::RoadGround& ground, const CompletedViews& completed_views) {
+SynthesizedFrame synthesize(const ClassifiedFrame& classified, const Views& views, std::size_t index,
+                            const CompletedViews& completed) {
+  const harmonize::FilledFrame& frame = classified.filled;
   SynthesizedFrame out{frame, cv::Mat1b(frame.kind.size(), uchar{0}), {}};
   const cv::Mat1b unobserved(frame.kind >= static_cast<uchar>(Kind::interpolated));
   const cv::Mat1b wanted((frame.kind == static_cast<uchar>(Kind::interpolated)) | find_fragments(frame.kind));
@@ -152,8 +153,9 @@ SynthesizedFrame synthesize(const harmonize::FilledFrame& frame, const Views& vi
   made.kind.setTo(static_cast<uchar>(Kind::synthesized), wanted);
   made.provenance.setTo(0, wanted);
   made.used.setTo(0, wanted);
-  const cv::Mat1b shown = show_completed_views(completed_views, views, views[index], wanted, made.color);
-  out.completed = wanted & ~shown;
+  const ShownPixels shown = show_completed_views(completed, views, views[index], wanted);
+  shown.color.copyTo(made.color, shown.shown);
+  out.completed = wanted & ~shown.shown;
   // Patches are too large for gaps between completed views.
   const cv::Mat1b wide(grown(grown(out.completed, -kThinRadiusPx), kThinRadiusPx + 1) & out.completed);
   interpolate(made.color, cv::Mat1b(out.completed & ~wide), wide);
@@ -161,7 +163,7 @@ SynthesizedFrame synthesize(const harmonize::FilledFrame& frame, const Views& vi
   const std::vector<UnknownPart> parts = divide_for_search(wide, usable);
   cv::Mat1b where = grown(wanted, kGuideMarginPx);
   for (const UnknownPart& part : parts) where(part.box).setTo(255);
-  out.guide = guide_by_surfaces(made, views[index], classes, ground, where);
+  out.guide = guide_by_surfaces({made, classified.classes, classified.ground}, views[index], where);
   complete_parts(parts, usable, out.guide, index, made.color);
   adapt_to_boundary(made.color, wanted, out.guide);
   limit_to_original(Region(wanted), made);

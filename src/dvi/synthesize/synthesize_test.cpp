@@ -72,7 +72,7 @@ struct Street {
   }
   harmonize::FilledFrame run(const harmonize::FilledFrame& frame) const {
     const Views all = memory_views(views, images, masks);
-    return synthesize(frame, all, 8, {}, ground::RoadGround(map, all), {}).frame;
+    return synthesize({frame, {}, ground::RoadGround(map, all)}, all, 8, {}).frame;
   }
 };
 
@@ -121,9 +121,9 @@ TEST(Synthesize, CompletedViewsAreNotCompletedAgain) {
   const harmonize::FilledFrame frame = street.interpolated();
   const Views all = memory_views(street.views, street.images, street.masks);
   const ground::RoadGround ground(street.map, all);
-  const SynthesizedFrame first = synthesize(frame, all, 8, {}, ground, {});
-  const CompletedViews completed{make_completed_view(first.frame, first.completed, first.guide, all, 8, ground)};
-  const SynthesizedFrame again = synthesize(frame, all, 8, {}, ground, completed);
+  const SynthesizedFrame first = synthesize({frame, {}, ground}, all, 8, {});
+  const CompletedViews completed{make_completed_view(first, all, 8, ground)};
+  const SynthesizedFrame again = synthesize({frame, {}, ground}, all, 8, completed);
   EXPECT_GT(cv::countNonZero(first.completed), 500);
   EXPECT_LT(cv::countNonZero(again.completed), 0.02 * cv::countNonZero(first.completed));
   EXPECT_LT(mean_error_in(again.frame.color, first.frame.color, frame.mask), 5);
