@@ -48,7 +48,8 @@ TEST(ChoosePoses, KeepsGivenPosesOfADepthCameraThatIsMostlyLost) {
   Drive drive = drive_to_white_wall(8);
   std::vector<StampedPose> given;
   for (const Frame& frame : drive.frames)
-    given.push_back({frame.time_ns, SE3{so3_exp({0, 0, 1e-8 * static_cast<double>(frame.time_ns) * 0.03}), {}}});
+    given.push_back(
+        {frame.time_ns, SE3{so3_exp({0, 0, 1e-8 * static_cast<double>(frame.time_ns) * 0.03}), Eigen::Vector3d::Zero()}});
   drive.poses = Trajectory(given);
   EXPECT_EQ(choose(drive, job::PosesFrom::Kind::automatic).from, PoseOrigin::given);
 }

@@ -44,7 +44,7 @@ LookImages make_images(uchar kind = 4) {
 }
 
 TEST(LookOfAFrame, OfTheTruthIsNearZero) {
-  for (const uchar kind : {3, 4, 6}) {
+  for (const uchar kind : {uchar{3}, uchar{4}, uchar{6}}) {
     const LookFrame frame = measure_look(make_images(kind));
     EXPECT_EQ(frame.sums.pixels, static_cast<std::size_t>(kPart.area()));
     EXPECT_EQ(frame.sums.image_pixels, static_cast<std::size_t>(kImage.area()));
