@@ -201,8 +201,9 @@ class Scorer:
         own evaluation is known and not made again."""
         dvi = self.result_folder(case, DVI.name)
         with tempfile.TemporaryDirectory(dir=self.root) as folder:
-            for part, place in (("frames", frames), ("masks", dvi / "masks"), ("kind", dvi / "kind")):
-                (Path(folder) / part).symlink_to(place)
+            for part in ("masks", "kind", "depth"):
+                (Path(folder) / part).symlink_to(dvi / part)
+            (Path(folder) / "frames").symlink_to(frames)
             # Ghosts are counted in results of dvi only, by their sources.
             return {**self.evaluate(case, Path(folder)), "ghosts_left_out": None}
 
