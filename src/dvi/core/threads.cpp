@@ -94,14 +94,14 @@ void run_pipeline(std::size_t count, const std::vector<PipelineStep>& steps) {
         control.stop();
         return 0;
       });
-  for (std::size_t k = 0; k < steps.size(); ++k) {
-    const bool any = steps[k].order == PipelineStep::Order::any;
+  for (const PipelineStep& step : steps) {
+    const bool any = step.order == PipelineStep::Order::any;
     chain = chain & tbb::make_filter<std::size_t, std::size_t>(
-                        any ? tbb::filter_mode::parallel : tbb::filter_mode::serial_in_order, [&, k](std::size_t i) {
+                        any ? tbb::filter_mode::parallel : tbb::filter_mode::serial_in_order, [&all, &step](std::size_t i) {
                           all.receive();
                           const Handover::Sender ends(all);
                           // A thread that waits inside must not begin another item: it would delay this one.
-                          tbb::this_task_arena::isolate([&] { steps[k].call(i); });
+                          tbb::this_task_arena::isolate([&] { step.call(i); });
                           return i;
                         });
   }

@@ -32,8 +32,8 @@ std::int64_t area(const Site& a, const Site& b, const Site& c) { return (b.x - a
 /// Computes the determinant that is positive if d is inside the circle through a, b, c, which are counterclockwise.
 template <class Integer>
 Integer circle_determinant(const std::array<Site, 3>& from_d) {
-  const auto square = [](const Site& s) { return static_cast<Integer>(s.x * s.x + s.y * s.y); };
-  const auto cross = [](const Site& p, const Site& q) { return static_cast<Integer>(p.x * q.y - p.y * q.x); };
+  const auto square = [](const Site& s) -> Integer { return s.x * s.x + s.y * s.y; };
+  const auto cross = [](const Site& p, const Site& q) -> Integer { return p.x * q.y - p.y * q.x; };
   const auto& [a, b, c] = from_d;
   return square(a) * cross(b, c) + square(b) * cross(c, a) + square(c) * cross(a, b);
 }

@@ -110,13 +110,13 @@ void interpolate(cv::Mat3f& color, const cv::Mat1b& inner, const cv::Mat1b& othe
 
 /// Completes the parts in parallel. At coarse levels, patches of a part may have pixels of another part as before its
 /// completion.
-void complete_parts(const std::vector<UnknownPart>& parts, const cv::Mat1b& usable, const SurfaceGuide& guide, std::size_t seed,
-                    cv::Mat3f& color) {
+void complete_parts(const std::vector<UnknownPart>& parts, const cv::Mat1b& usable, std::size_t seed, SynthesizedFrame& frame) {
+  cv::Mat3f& color = frame.frame.color;
   std::vector<cv::Mat3f> completed;
   for (const UnknownPart& part : parts) completed.push_back(color(part.box).clone());
   parallel_for(parts.size(), [&](std::size_t i) {
     const UnknownPart& part = parts[i];
-    complete_from_exemplars(completed[i], {part.unknown, usable(part.box)}, guide.of(part.box), seed);
+    complete_from_exemplars(completed[i], {part.unknown, usable(part.box)}, frame.guide.of(part.box), seed);
   });
   for (std::size_t i = 0; i < parts.size(); ++i) completed[i].copyTo(color(parts[i].box), parts[i].unknown);
 }
@@ -164,7 +164,7 @@ SynthesizedFrame synthesize(const ClassifiedFrame& classified, const Views& view
   cv::Mat1b where = grown(wanted, kGuideMarginPx);
   for (const UnknownPart& part : parts) where(part.box).setTo(255);
   out.guide = guide_by_surfaces({made, classified.classes, classified.ground}, views[index], where);
-  complete_parts(parts, usable, out.guide, index, made.color);
+  complete_parts(parts, usable, index, out);
   adapt_to_boundary(made.color, wanted, out.guide);
   limit_to_original(Region(wanted), made);
   write_confidence(Region(wanted), made);
