@@ -85,7 +85,7 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
   after.receive();
 }
 
-// The functions that TBB calls are not checked, because they read what they captured before they can call receive().
+// The functions that TBB calls are not checked, because they read their captures before they can call receive().
 #define DVI_UNCHECKED __attribute__((no_sanitize("thread")))
 
 void run_pipeline(std::size_t count, const std::vector<PipelineStep>& steps) {
@@ -109,7 +109,8 @@ void run_pipeline(std::size_t count, const std::vector<PipelineStep>& steps) {
     chain = chain & tbb::make_filter<std::size_t, std::size_t>(
                         any ? tbb::filter_mode::parallel : tbb::filter_mode::serial_in_order, call);
   }
-  tbb::parallel_pipeline(2 * static_cast<std::size_t>(thread_count()),
+  const int items = thread_count() + std::max(2, thread_count() / 4);
+  tbb::parallel_pipeline(static_cast<std::size_t>(items),
                          chain & tbb::make_filter<std::size_t, void>(tbb::filter_mode::parallel, [](std::size_t) {}));
   all.receive();
 }

@@ -53,7 +53,7 @@ struct PipelineStep {
 };
 
 /// Calls the steps one after another for each item of [0, count). Different steps of different items run at the same time, but
-/// the number of items that have begun and not finished is limited to about twice thread_count(), so that memory is.
+/// the number of items that have begun and not finished exceeds thread_count() by a few only, so that memory is limited.
 void run_pipeline(std::size_t count, const std::vector<PipelineStep>& steps);
 
 /// Calls make(i) for i in [0, count) on all threads, and use(i, result of make) in order, one at a time, while others are made.
