@@ -198,14 +198,12 @@ bool Audit::passed() const {
 Audit audit_result(const AuditedResult& result, const Views& views, const Tick& tick) {
   require_known_frames(result);
   FrameAudit sum;
-  for_blocks(result.names.size(), [&](std::size_t first, std::size_t last) {
-    std::vector<FrameAudit> block(last - first);
-    parallel_in_order(block.size(), [&](std::size_t i) {
-      block[i] = FrameAuditor(result, views, first + i).check();
-      tick();
-    });
-    for (const FrameAudit& frame : block) add(frame, sum);
-  });
+  make_and_use(
+      result.names.size(), [&](std::size_t i) { return FrameAuditor(result, views, i).check(); },
+      [&](std::size_t, const FrameAudit& frame) {
+        add(frame, sum);
+        tick();
+      });
   sum.audit.change_median = compute_percentile(sum.changes, sum.audit.copied, 0.5);
   sum.audit.change_p95 = compute_percentile(sum.changes, sum.audit.copied, 0.95);
   return sum.audit;

@@ -41,18 +41,16 @@ void write_file_of(const Result& result, McapWriter& file, const std::vector<Clo
   const std::int64_t begin = poses.empty() ? 0 : poses.front().time_ns;
   file.write(map, begin, ros::point_cloud(begin, cloud));
   file.write(path, begin, ros::path(poses));
-  for_blocks(poses.size(), [&](std::size_t first, std::size_t last) {
-    std::vector<std::string> overlays(last - first);
-    parallel_for(overlays.size(), [&](std::size_t i) { overlays[i] = media::encode_png(draw_overlay(result, first + i)); });
-    for (std::size_t i = first; i < last; ++i) {
-      const std::int64_t time = poses[i].time_ns;
-      file.write(tf, time, ros::transform(poses[i]));
-      file.write(info, time, ros::camera_info(time, result.camera()));
-      file.write(image, time, ros::compressed_image(time, "png", read_file(result.picture("frames", i))));
-      file.write(kind, time, ros::compressed_image(time, "png", overlays[i - first]));
-      progress.advance();
-    }
-  });
+  make_and_use(
+      poses.size(), [&](std::size_t i) { return media::encode_png(draw_overlay(result, i)); },
+      [&](std::size_t i, const std::string& overlay) {
+        const std::int64_t time = poses[i].time_ns;
+        file.write(tf, time, ros::transform(poses[i]));
+        file.write(info, time, ros::camera_info(time, result.camera()));
+        file.write(image, time, ros::compressed_image(time, "png", read_file(result.picture("frames", i))));
+        file.write(kind, time, ros::compressed_image(time, "png", overlay));
+        progress.advance();
+      });
 }
 
 ExportReport write_mcap(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {

@@ -23,14 +23,12 @@ cv::Mat3b picture(const Result& result, std::size_t frame, bool beside) {
 ExportReport write_video(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
   const int width = result.size().width * (options.beside ? 2 : 1);
   media::VideoWriter video(folder / "video.mp4", {width, result.size().height}, options.video);
-  for_blocks(result.frames().size(), [&](std::size_t first, std::size_t last) {
-    std::vector<cv::Mat3b> pictures(last - first);
-    parallel_for(pictures.size(), [&](std::size_t i) { pictures[i] = picture(result, first + i, options.beside); });
-    for (const cv::Mat3b& frame : pictures) {
-      video.push(frame);
-      progress.advance();
-    }
-  });
+  make_and_use(
+      result.frames().size(), [&](std::size_t i) { return picture(result, i, options.beside); },
+      [&](std::size_t, const cv::Mat3b& frame) {
+        video.push(frame);
+        progress.advance();
+      });
   video.finish();
   return {{"video.mp4"}, {{"frames", static_cast<double>(result.frames().size())}}};
 }

@@ -239,23 +239,19 @@ std::vector<GhostFrame> Ghosts::find_worst_frames() const {
 Ghosts count_ghosts(const fs::path& out, const GhostScene& scene, const Tick& tick) {
   Ghosts sum;
   for (const StationaryObject& object : scene.objects) sum.tracks.push_back({object.track, object.type});
-  for_blocks(scene.frames.size(), [&](std::size_t first, std::size_t last) {
-    std::vector<std::optional<FrameGhosts>> block(last - first);
-    parallel_for(block.size(), [&](std::size_t i) {
-      const std::size_t frame = first + i;
-      if (scene.sources[frame] && fs::exists(out / "frames" / (scene.frames[frame] + ".png")))
-        block[i] = FrameCounter(out, scene, frame).count();
-      tick();
-    });
-    for (std::size_t i = 0; i < block.size(); ++i) {
-      if (!block[i]) continue;
-      sum.total += block[i]->counts;
-      sum.unjudged += block[i]->unjudged;
-      sum.frames.push_back({scene.frames[first + i], block[i]->counts});
-      for (std::size_t k = 0; k < sum.tracks.size(); ++k) {
-        sum.tracks[k].removed += block[i]->tracks[k].removed;
-        sum.tracks[k].refilled += block[i]->tracks[k].refilled;
-      }
+  const auto count = [&](std::size_t i) -> std::optional<FrameGhosts> {
+    if (!scene.sources[i] || !fs::exists(out / "frames" / (scene.frames[i] + ".png"))) return std::nullopt;
+    return FrameCounter(out, scene, i).count();
+  };
+  make_and_use(scene.frames.size(), count, [&](std::size_t i, const std::optional<FrameGhosts>& found) {
+    tick();
+    if (!found) return;
+    sum.total += found->counts;
+    sum.unjudged += found->unjudged;
+    sum.frames.push_back({scene.frames[i], found->counts});
+    for (std::size_t k = 0; k < sum.tracks.size(); ++k) {
+      sum.tracks[k].removed += found->tracks[k].removed;
+      sum.tracks[k].refilled += found->tracks[k].refilled;
     }
   });
   return sum;

@@ -147,15 +147,14 @@ void estimate_extent(Track& track) {
 std::vector<Track> collect_box_returns(const std::vector<Track>& tracks, const MovingReturns& returns) {
   const std::vector<MovingBox> boxes(tracks.begin(), tracks.end());
   std::vector<Track> out(tracks.size());
-  for_blocks(returns.scans(), [&](std::size_t first, std::size_t last) {
-    std::vector<std::map<std::size_t, Cluster>> found(last - first);
-    parallel_for(found.size(), [&](std::size_t i) { found[i] = find_in_boxes(boxes, *returns.obstacles(first + i)); });
-    for (std::size_t i = first; i < last; ++i)
-      for (auto& [track, cluster] : found[i - first]) {
-        cluster.scan = i;
-        out[track].observations.push_back(std::move(cluster));
-      }
-  });
+  make_and_use(
+      returns.scans(), [&](std::size_t i) { return find_in_boxes(boxes, *returns.obstacles(i)); },
+      [&](std::size_t i, std::map<std::size_t, Cluster> found) {
+        for (auto& [track, cluster] : found) {
+          cluster.scan = i;
+          out[track].observations.push_back(std::move(cluster));
+        }
+      });
   for (std::size_t k = 0; k < out.size(); ++k) {
     out[k].height_m = boxes[k].height();
     out[k].size_m = boxes[k].size(out[k]);

@@ -46,12 +46,10 @@ std::vector<Track> add_occluded_returns(const std::vector<Track>& tracks, const 
   for (std::size_t k = 0; k < tracks.size(); ++k)
     for (std::size_t i = 0; i < tracks[k].observations.size(); ++i) observed[tracks[k].observations[i].scan].emplace_back(k, i);
   std::vector<Track> out = tracks;
-  for_blocks(observed.size(), [&](std::size_t first, std::size_t last) {
-    parallel_for(last - first, [&](std::size_t i) {
-      if (observed[first + i].empty()) return;
-      const std::shared_ptr<const FreeSpace> free_space = returns.free_space(first + i);
-      for (const auto& [k, o] : observed[first + i]) out[k].observations[o] = complete_observation(tracks[k], o, *free_space);
-    });
+  parallel_in_order(observed.size(), [&](std::size_t i) {
+    if (observed[i].empty()) return;
+    const std::shared_ptr<const FreeSpace> free_space = returns.free_space(i);
+    for (const auto& [k, o] : observed[i]) out[k].observations[o] = complete_observation(tracks[k], o, *free_space);
   });
   return out;
 }

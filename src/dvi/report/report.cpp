@@ -108,17 +108,13 @@ class ReportWriter {
     for (const char* folder : kFolders) make_folder(out_ / folder);
     std::vector<json> entries(names_.size());
     UnobservedCells unobserved;
-    for_blocks(names_.size(), [&](std::size_t first, std::size_t last) {
-      std::vector<FrameEntry> block(last - first);
-      parallel_for(block.size(), [&](std::size_t i) {
-        block[i] = write_frame(first + i);
-        tick();
-      });
-      for (std::size_t i = 0; i < block.size(); ++i) {
-        entries[first + i] = std::move(block[i].entry);
-        add(block[i].unobserved, unobserved);
-      }
-    });
+    make_and_use(
+        names_.size(), [&](std::size_t i) { return write_frame(i); },
+        [&](std::size_t i, FrameEntry frame) {
+          entries[i] = std::move(frame.entry);
+          add(frame.unobserved, unobserved);
+          tick();
+        });
     write_sources();
     for (const PageFile& file : get_page_files())
       if (file.name != "report.html") write(std::string("report/") + std::string(file.name), std::string(file.bytes));
