@@ -1,0 +1,168 @@
+#include "dvi/run/drive_run.h"
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "dvi/core/threads.h"
+#include "dvi/inputs/check_setup.h"
+#include "dvi/inputs/collect_evidence.h"
+#include "dvi/inputs/make_views.h"
+#include "dvi/inputs/rig.h"
+#include "dvi/result/stage_fields.h"  // IWYU pragma: keep
+#include "dvi/run/make_map.h"
+#include "dvi/run/refine.h"
+#include "dvi/run/run_stages.h"
+#include "dvi/run/smoothed_frames.h"
+
+namespace dvi::run {
+
+using align::Cameras;
+using depth::DepthMap, depth::Target;
+using exposure::Gains;
+using harmonize::FilledFrame, harmonize::HarmonizeInput, harmonize::Unobserved;
+using inputs::Inputs, inputs::Poses, inputs::Recordings;
+using map::StaticMap, map::VisibleMap;
+using objects::Evidence;
+using regularize::Labeling;
+using result::FilledView, result::StageCache;
+using sample::Candidates;
+using synthesize::CompletedViews, synthesize::SynthesizedFrame;
+
+namespace {
+
+bool is_synthesized(const job::Options& options) { return options.harmonize.unobserved == Unobserved::synthesize; }
+
+}  // namespace
+
+FillContext::FillContext(const StaticMap& map, const Views& views, const job::Options& options, result::CpuClock& cpu)
+    : stages(options, cpu), depths(views, [&](std::size_t view) {  // 3.1
+        return cpu.time("depth", depth::compute_depth_map, map, views[view], options.depth);
+      }) {
+  if (options.harmonize.surface_classes || is_synthesized(options)) ground.emplace(map, views);
+}
+
+void DriveRun::plan(StageCache::Missing missing) {
+  const StageCache stages = folder_.make_stage_cache(progress_, missing);
+  poses_ = stages.load_or_compute("poses", [&] { return estimate_poses(); });  // 3.1: LOAM, 3.5: further drives
+  const Evidence evidence = inputs::collect_evidence(drives_, poses_);
+  objects_ =
+      stages.load_or_compute("objects", [&] { return objects::find_objects(evidence, job_.removal(), progress_); });  // 3.1
+  masks_ = objects::draw_masks(evidence, objects_, job_.removal(), progress_);
+  map_ = stages.load_or_compute("map", [&] { return build_map(); }, StaticMap(Scratch::of_process()));  // 3.1
+  const Views posed = inputs::make_views({drives_, poses_, masks_}, progress_);
+  const VisibleMap visible(map_, posed);
+  const Refinement refine{posed, visible, drives_, options_};
+  const Gains gains = stages.load_or_compute("exposure", [&] { return estimate_exposure(refine, progress_); });
+  cameras_ = stages.load_or_compute("alignment", [&] { return align(refine, progress_); });  // 3.1, eq. 1
+  views_ = inputs::refine_views(posed, gains, cameras_);
+  context_.emplace(map_, views_, options_, cpu_);
+  harmonized_ = Lazy<HarmonizedFrame>(frames(), [this](std::size_t frame) { return harmonize(frame); });
+  if (is_synthesized(options_))
+    completed_views_ =
+        folder_.make_fill_cache(progress_, missing).load_or_compute("completed_views", [&] { return complete_views(); });
+}
+
+HarmonizedFrame DriveRun::harmonize(std::size_t frame) const {
+  const auto& [stages, depths, ground] = *context_;
+  const DepthMap depth = stages.plane_sweep({views_, frame, *depths.maps[frame], depths.visibility});  // 3.1
+  const Target target{views_, frame, depth, depths.visibility};
+  Candidates candidates = stages.sample(target);                             // 3.2
+  const Labeling labels = stages.regularize(std::move(candidates), target);  // 3.3, eqs. 2-4
+  HarmonizeInput input = make_harmonize_input(target, labels.candidates);
+  FilledFrame filled = stages.harmonize(target, labels.candidates, input);  // 3.4, eq. 5
+  return {std::move(filled), labels.energy, std::move(input.classes)};
+}
+
+SynthesizedFrame DriveRun::synthesize(std::size_t frame, const HarmonizedFrame& harmonized,
+                                      const CompletedViews& completed) const {
+  return context_->stages.synthesize({harmonized.filled, harmonized.classes, *context_->ground}, views_, frame, completed);
+}
+
+CompletedViews DriveRun::complete_views() {
+  const std::vector<std::size_t> selected = synthesize::select_views_to_complete(views_);
+  progress_.begin("completion", selected.size());
+  CompletedViews completed;
+  make_and_use(
+      selected.size(), [&](std::size_t i) { return harmonized_[selected[i]]; },
+      [&](std::size_t i, const std::shared_ptr<const HarmonizedFrame>& harmonized) {
+        const SynthesizedFrame made = synthesize(selected[i], *harmonized, completed);
+        if (!made.guide.group.empty())
+          completed.push_back(synthesize::make_completed_view(made, views_, selected[i], *context_->ground));
+        progress_.advance();
+      });
+  progress_.end();
+  return completed;
+}
+
+FilledView DriveRun::fill(std::size_t frame) const {
+  if (!is_synthesized(options_)) {
+    HarmonizedFrame harmonized = harmonize(frame);
+    return {std::move(harmonized.filled), harmonized.energy};
+  }
+  const bool is_completed = std::any_of(completed_views_.begin(), completed_views_.end(),
+                                        [frame](const synthesize::CompletedView& made) { return made.view == frame; });
+  const std::shared_ptr<const HarmonizedFrame> harmonized =
+      is_completed ? harmonized_[frame] : std::make_shared<const HarmonizedFrame>(harmonize(frame));
+  return {synthesize(frame, *harmonized, completed_views_).frame, harmonized->energy};
+}
+
+void DriveRun::fill_frames(const std::vector<std::size_t>& frames, const result::FinishedFrame& hand_on) {
+  const auto finish_frame = [&](std::size_t number, const harmonize::FilledFrame& frame) {
+    if (hand_on) hand_on(number, frame);
+    progress_.advance();
+  };
+  progress_.begin("fill", frames.size());
+  for_each_smoothed(frames, this->frames(),
+                    {.fill = [&](std::size_t frame) { return fill(frame); },
+                     .smoothing = make_smoothing(options_.smooth, cpu_),  // 3.6
+                     .write = folder_.make_writer(views_, cameras_, cpu_, finish_frame)});
+  progress_.end();
+}
+
+result::RunReport DriveRun::finish() {
+  return folder_.complete(
+      {.views = views_, .map = &map_, .poses = poses_, .cameras = cameras_, .cpu = cpu_, .objects = objects_.front()},
+      progress_);
+}
+
+Recordings DriveRun::open_drives() const {
+  progress_.plan(plan_run_stages(job_));
+  return inputs::add_other_cameras(inputs::open_recordings(job_, inputs::MaskNeed::required, progress_), job_, progress_);
+}
+
+Poses DriveRun::estimate_poses() const {
+  inputs::verify(drives_, job_, progress_);  // damage is reported before hours of work
+  return inputs::estimate_poses(drives_, job_, progress_);
+}
+
+StaticMap DriveRun::build_map() const {
+  const Inputs inputs{drives_, poses_, masks_};
+  inputs::check_setup(inputs, progress_);
+  return run::build_map(inputs, options_.map, progress_);
+}
+
+HarmonizeInput DriveRun::make_harmonize_input(const Target& target, const Candidates& candidates) const {
+  const auto& [stages, depths, ground] = *context_;
+  HarmonizeInput input;
+  if (options_.harmonize.illumination_change) input.illumination = stages.compare_illumination(target, candidates);
+  if (options_.harmonize.surface_classes) input.classes = stages.classify_surfaces(target, candidates, *ground);
+  input.known = stages.sample_known(target, candidates);
+  return input;
+}
+
+std::vector<std::string> DriveRun::ranges_of(const std::vector<std::size_t>& frames) const {
+  std::vector<std::string> out;
+  for (std::size_t first = 0, next = 1; next <= frames.size(); ++next) {
+    if (next < frames.size() && frames[next] == frames[next - 1] + 1) continue;
+    out.push_back(fmt::format("{}:{}", number_of(frames[first]), number_of(frames[next - 1])));
+    first = next;
+  }
+  return out;
+}
+
+}  // namespace dvi::run

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "dvi/depth/depths.h"
+#include "dvi/ground/road_ground.h"
+#include "dvi/result/result_folder.h"
+#include "dvi/run/frame_stages.h"
+#include "dvi/synthesize/completed_views.h"
+
+namespace dvi::run {
+
+/// The data that all frames share while they are filled.
+struct FillContext {
+  FillContext(const map::StaticMap& map, const Views& views, const job::Options& options, result::CpuClock& cpu);
+
+  FrameStages stages;
+  depth::Depths depths;
+  std::optional<ground::RoadGround> ground;
+};
+
+/// A frame whose unobserved pixels are interpolated, with the data that their synthesis needs.
+struct HarmonizedFrame {
+  harmonize::FilledFrame filled;
+  std::optional<regularize::Energies> energy;
+  cv::Mat1b classes;  ///< Values of harmonize::SurfaceClass; empty: all unknown.
+
+  std::size_t bytes() const {
+    return bytes_of(filled.color) + bytes_of(filled.mask) + bytes_of(filled.kind) + bytes_of(filled.provenance) +
+           bytes_of(filled.used) + bytes_of(filled.confidence) + bytes_of(filled.depth) + bytes_of(classes);
+  }
+};
+
+/// A run of one job: plan() computes the stages before the fill, fill() fills one frame, and finish() writes all other files.
+class DriveRun {
+ public:
+  /// Opens the drives and checks the output folder. `content` is the content_of() the drives (fingerprints.h), if it is known.
+  DriveRun(const job::Job& job, Progress& progress, std::string content = "")
+      : job_(job),
+        options_(job.options),
+        progress_(progress),
+        drives_(open_drives()),
+        folder_(job, drives_, std::move(content)) {}
+
+  result::ResultFolder& folder() { return folder_; }
+
+  /// Computes each stage before the fill, or loads it from the cache.
+  void plan(result::StageCache::Missing missing = result::StageCache::Missing::compute);
+
+  /// Fills one frame of the target, given by its view.
+  result::FilledView fill(std::size_t frame) const;
+  /// Fills, smooths, and writes frames, and passes each to `hand_on`.
+  void fill_frames(const std::vector<std::size_t>& frames, const result::FinishedFrame& hand_on = {});
+
+  result::RunReport finish();
+
+  /// Returns the views of the target whose frames are not finished, ascending.
+  std::vector<std::size_t> find_missing_frames() { return folder_.find_missing_frames(views_, progress_); }
+  std::size_t frames() const { return views_.of_sequence(0).second; }
+  /// Returns the number of a frame in the drive.
+  int number_of(std::size_t frame) const { return drives_.front().drive.frames[views_[frame].frame].number; }
+  /// Returns "A:B" for each range of consecutive frames.
+  std::vector<std::string> ranges_of(const std::vector<std::size_t>& frames) const;
+  const result::CpuClock& cpu() const { return cpu_; }
+
+ private:
+  inputs::Recordings open_drives() const;
+  inputs::Poses estimate_poses() const;
+  map::StaticMap build_map() const;
+  harmonize::HarmonizeInput make_harmonize_input(const depth::Target& target, const sample::Candidates& candidates) const;
+  HarmonizedFrame harmonize(std::size_t frame) const;
+  synthesize::SynthesizedFrame synthesize(std::size_t frame, const HarmonizedFrame& harmonized,
+                                          const synthesize::CompletedViews& completed) const;
+  synthesize::CompletedViews complete_views();
+
+  const job::Job& job_;
+  const job::Options& options_;
+  Progress& progress_;
+  const inputs::Recordings drives_;
+  result::ResultFolder folder_;
+  result::CpuClock cpu_;
+
+  inputs::Poses poses_;
+  objects::Objects objects_;
+  objects::Masks masks_;
+  map::StaticMap map_{Scratch::of_process()};
+  align::Cameras cameras_;
+  Views views_;
+  std::optional<FillContext> context_;
+  Lazy<HarmonizedFrame> harmonized_;  // those of views that are completed are needed twice
+  synthesize::CompletedViews completed_views_;
+};
+
+}  // namespace dvi::run
