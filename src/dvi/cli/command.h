@@ -80,6 +80,7 @@ struct Common {
 /// Each function adds one command. The fields that it parses into exist as long as the program.
 void add_run(Program& program);
 void add_plan(Program& program);
+void add_join(Program& program);
 void add_fill(Program& program);
 void add_finish(Program& program);
 void add_report(Program& program);

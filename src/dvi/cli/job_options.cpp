@@ -4,6 +4,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/result/plan_manifest.h"
+#include "dvi/result/section_folder.h"
 
 namespace dvi::cli {
 
@@ -34,6 +35,13 @@ job::Job RunArguments::job(const std::string& command) {
 job::Job planned_job(const std::string& out) {
   result::read_plan(out);
   const job::Request request{(fs::path(out) / "dvi.toml").string(), {}};
+  return request.job(fs::absolute(out).lexically_normal().string(), "", {});
+}
+
+job::Job sectioned_job(const std::string& out) {
+  const std::size_t sections = result::find_planned_sections(out);
+  const fs::path options = result::options_of_whole(result::section_folder(out, 1, sections));
+  const job::Request request{options.string(), {}};
   return request.job(fs::absolute(out).lexically_normal().string(), "", {});
 }
 

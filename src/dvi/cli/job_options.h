@@ -31,4 +31,7 @@ struct RunArguments {
 /// Returns the job whose options `dvi plan` wrote to OUT/dvi.toml.
 job::Job planned_job(const std::string& out);
 
+/// Returns the job whose sections `dvi plan --section` planned in OUT.
+job::Job sectioned_job(const std::string& out);
+
 }  // namespace dvi::cli

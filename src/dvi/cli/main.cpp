@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   program.group("Clean a drive");
   dvi::cli::add_run(program);
   dvi::cli::add_plan(program);
+  dvi::cli::add_join(program);
   dvi::cli::add_fill(program);
   dvi::cli::add_finish(program);
   dvi::cli::add_mask(program);

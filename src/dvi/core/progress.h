@@ -61,6 +61,7 @@ class Progress {
   void warn(const std::string& message);
   void note(const std::string& message);
 
+  ProgressStyle style() const { return style_; }
   std::vector<std::string> warnings() const;
   std::vector<StageTime> times() const;
 

@@ -95,6 +95,9 @@ OptionTable Job::table() {
       "Limits the memory: 150 MB (at most half) are for the program itself; of the rest, a third is for the map (what does "
       "not fit is paged to unlinked files in TMPDIR), a third for the images, scans, masks, and depth maps that are kept "
       "for further use, and a third for the work in progress.");
+  table.add(
+      "sections", sections, {0, 10000},
+      "Cuts the drive into sections that are planned alone (dvi plan --section K/N, docs/scale.md); 0: one per 10,000 frames.");
   options.describe(table);
   return table;
 }

@@ -69,6 +69,7 @@ struct Job {
   ReadChoice read;
   Method method = Method::dvi;
   int memory_mb = 2000;  ///< limit for the whole program, in megabytes; table() documents its parts
+  int sections = 0;      ///< parts of the drive that are planned alone (sections/section.h); 0: by the number of frames
   Options options;
   bool force = false;
 

@@ -32,6 +32,12 @@ class CpuClock {
     };
   }
 
+  /// Adds the seconds of another clock.
+  void add(const std::map<std::string, double>& seconds) {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [stage, spent] : seconds) seconds_[stage] += spent;
+  }
+
   std::map<std::string, double> seconds() const {
     const std::lock_guard lock(mutex_);
     return seconds_;

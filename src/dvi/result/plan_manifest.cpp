@@ -15,7 +15,7 @@ fs::path costs_folder(const fs::path& out) { return out / ".dvi/costs"; }
 
 }  // namespace
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PlanManifest, version, program, listing, content, fingerprint)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PlanManifest, version, program, listing, content, fingerprint, sections)
 
 void write_plan(const fs::path& out, const PlanManifest& plan) { write_manifest(plan_file(out), plan.fingerprint, plan); }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ namespace dvi::result {
 /// fill, possibly on another machine, can check that it belongs to the plan. It is written after the stages.
 struct PlanManifest {
   std::string version, program, listing, content, fingerprint;  ///< see fingerprints.h
+  std::size_t sections = 1;                                     ///< in which the drive was planned; 1: as a whole
 };
 
 void write_plan(const fs::path& out, const PlanManifest& plan);

@@ -27,6 +27,7 @@
 #include "dvi/result/plan_manifest.h"
 #include "dvi/result/read_result.h"
 #include "dvi/result/result_media.h"
+#include "dvi/result/section_folder.h"
 #include "dvi/result/source_masks.h"
 #include "dvi/result/stage_json.h"
 #include "dvi/result/write_report.h"
@@ -170,7 +171,8 @@ ResultFolder::ResultFolder(const job::Job& job, const inputs::Recordings& drives
 ResultFolder::~ResultFolder() {
   std::error_code ignored;  // a destructor must not throw
   const auto unused = [&](const fs::path& folder) { return !fs::exists(folder, ignored) || fs::is_empty(folder, ignored); };
-  if (created_ && unused(out_ / ".dvi/frames") && unused(out_ / ".dvi/stages")) fs::remove_all(out_, ignored);
+  if (created_ && unused(out_ / ".dvi/frames") && unused(out_ / ".dvi/stages") && !has_sections(out_))
+    fs::remove_all(out_, ignored);
 }
 
 void ResultFolder::refuse_other_drives() const {
@@ -219,6 +221,15 @@ void ResultFolder::claim() {
   write_manifest(job_file(out_), compute_hash(identity_), {{"drives", identity_}});
 }
 
+void ResultFolder::claim_section() {
+  const bool created = !fs::exists(out_);
+  make_folder(out_ / ".dvi/frames");
+  lock_.emplace(out_, out_ / ".dvi/lock", FolderLock::Hold::shared);
+  created_ = created;
+  refuse_other_drives();
+  write_manifest(job_file(out_), compute_hash(identity_), {{"drives", identity_}});
+}
+
 void ResultFolder::join() {
   lock_.emplace(out_, out_ / ".dvi/lock", FolderLock::Hold::shared);
   require_plan_of(out_, job_, drives_);  // another process may have made a new plan since the constructor
@@ -235,10 +246,14 @@ StageCache ResultFolder::make_stage_cache(Progress& progress, StageCache::Missin
   return {out_, stages_fingerprint_of(job_, content_), progress, missing};
 }
 
-void ResultFolder::write_plan(const Progress& progress) const {
+void ResultFolder::write_plan(const Progress& progress, std::size_t sections) const {
   write_file(out_ / "dvi.toml", format_options());
   write_cost(out_, "plan", fingerprint_, make_cost_report(progress, CpuClock(), 0));
-  result::write_plan(out_, {kVersion, program_fingerprint(), listing_of(drives_), content_, fingerprint_});
+  result::write_plan(out_, {kVersion, program_fingerprint(), listing_of(drives_), content_, fingerprint_, sections});
+}
+
+void ResultFolder::write_section_options(const fs::path& section) const {
+  write_file(options_of_whole(section), format_options());
 }
 
 void ResultFolder::write_fill_cost(const std::vector<std::size_t>& frames, const CpuClock& cpu,
@@ -246,6 +261,11 @@ void ResultFolder::write_fill_cost(const std::vector<std::size_t>& frames, const
   if (!frames.empty())
     write_cost(out_, fmt::format("fill-{}-{}", frames.front(), frames.back()), fingerprint_,
                make_cost_report(progress, cpu, frames.size()));
+}
+
+void ResultFolder::write_section_cost(std::size_t section, const CostReport& cost) {
+  write_cost(out_, fmt::format("section-{}", section), fingerprint_, cost);
+  planned_ = true;
 }
 
 std::string ResultFolder::frame_name(const Views& views, std::size_t view) const {

@@ -74,6 +74,10 @@ class ResultFolder {
   /// plan of this job, or if another process has locked it for itself.
   void join();
 
+  /// Locks the folder together with other processes that plan sections of the drive (section_folder.h), and marks it as a
+  /// result of the drives. Throws InputError as claim().
+  void claim_section();
+
   /// Locks the folder as claim(), to complete a plan. Throws InputError if it does not contain a plan of this job.
   void claim_plan();
 
@@ -85,7 +89,10 @@ class ResultFolder {
   }
 
   /// Writes the options, the cost, and the manifest of the plan, after all stages before the fill are cached.
-  void write_plan(const Progress& progress) const;
+  void write_plan(const Progress& progress, std::size_t sections = 1) const;
+
+  /// Writes the options of the whole drive into the folder of a section.
+  void write_section_options(const fs::path& section) const;
 
   /// Returns the views of the target whose frames are not finished, ascending. If there are any, marks the result as
   /// unfinished.
@@ -93,6 +100,9 @@ class ResultFolder {
 
   /// Writes the cost of these frames, for the process that completes the result.
   void write_fill_cost(const std::vector<std::size_t>& frames, const CpuClock& cpu, const Progress& progress) const;
+
+  /// Writes the cost of the plan of a section, for the process that completes the result.
+  void write_section_cost(std::size_t section, const CostReport& cost);
 
   /// Returns the names of the target's frames; empty before find_missing_frames() is called.
   const std::vector<std::string>& frame_names() const { return names_; }
@@ -104,7 +114,7 @@ class ResultFolder {
                                                                                 const FinishedFrame& hand_on) const;
 
   /// Writes all files other than the frames, the report last, and removes frames of earlier runs. The cost in the report
-  /// includes that of the plan and its fills, if claim_plan() was called.
+  /// includes that of other processes, if claim_plan() or write_section_cost() was called.
   RunReport complete(const RunResults& results, Progress& progress);
 
  private:
@@ -128,7 +138,7 @@ class ResultFolder {
   std::optional<FolderLock> lock_;
   std::vector<std::string> names_;  // names of the target's frames
   std::size_t made_ = 0;            // frames that were missing
-  bool planned_ = false;            // whether the result completes a plan
+  bool planned_ = false;            // whether other processes computed parts of the result
 };
 
 /// Returns a message about the finished parts of an interrupted run, which a repeated run uses.

@@ -44,14 +44,14 @@ StageCache::StageCache(fs::path out, std::string fingerprint, Progress& progress
     progress_.note(fmt::format("{} of an earlier call are used", fmt::join(valid_, ", ")));
 }
 
-bool StageCache::load(const std::string& name, const std::function<void(ArchiveReader&)>& read) const {
+bool StageCache::read(const std::string& name, const std::function<void(ArchiveReader&)>& read_result) const {
   if (!valid_.contains(name)) return false;
   progress_.begin("load " + name, 0);
   std::vector<std::string> warnings;
   try {
     ArchiveReader in(out_ / file_of(name), schema_of(name));
     in >> warnings;
-    read(in);
+    read_result(in);
     in.finish();
   } catch (const InputError&) {  // answered: an unreadable stage is computed again
     return false;
@@ -61,8 +61,7 @@ bool StageCache::load(const std::string& name, const std::function<void(ArchiveR
   return true;
 }
 
-void StageCache::refuse_if_missing(const std::string& name) const {
-  if (missing_ == Missing::compute) return;
+void StageCache::refuse(const std::string& name) const {
   throw InputError(out_ / file_of(name), "is missing or damaged", "plan again: dvi plan --config OUT/dvi.toml");
 }
 

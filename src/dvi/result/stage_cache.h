@@ -28,17 +28,24 @@ class StageCache {
   /// result. `result` is the object to read into, which may have an allocator.
   template <class Make, class Result = std::invoke_result_t<Make>>
   Result load_or_compute(const std::string& name, const Make& make, Result result = Result()) const {
-    if (load(name, [&](ArchiveReader& in) { in >> result; })) return result;
-    refuse_if_missing(name);
+    if (read(name, [&](ArchiveReader& in) { in >> result; })) return result;
+    if (missing_ == Missing::refuse) refuse(name);
     const std::size_t warned = progress_.warnings().size();
     result = make();
     save(name, warned, [&](ArchiveWriter& out) { out << result; });
     return result;
   }
 
+  /// Returns the cached result of a stage, and repeats its warnings. Throws InputError if it is not cached. `result` as above.
+  template <class Result>
+  Result load(const std::string& name, Result result = Result()) const {
+    if (!read(name, [&](ArchiveReader& in) { in >> result; })) refuse(name);
+    return result;
+  }
+
  private:
-  bool load(const std::string& name, const std::function<void(ArchiveReader&)>& read) const;
-  void refuse_if_missing(const std::string& name) const;
+  bool read(const std::string& name, const std::function<void(ArchiveReader&)>& read_result) const;
+  [[noreturn]] void refuse(const std::string& name) const;
   void save(const std::string& name, std::size_t warned, const std::function<void(ArchiveWriter&)>& write) const;
 
   const fs::path out_;

@@ -46,7 +46,11 @@ FillContext::FillContext(const StaticMap& map, const Views& views, const job::Op
   if (options.harmonize.surface_classes || is_synthesized(options)) ground.emplace(map, views);
 }
 
-void DriveRun::plan(StageCache::Missing missing) {
+void DriveRun::plan(StageCache::Missing missing) { compute_stages(missing, {}); }
+
+void DriveRun::load_plan(const MaskOfView& mask_of) { compute_stages(StageCache::Missing::refuse, mask_of); }
+
+void DriveRun::compute_stages(StageCache::Missing missing, const MaskOfView& mask_of) {
   const StageCache stages = folder_.make_stage_cache(progress_, missing);
   poses_ = stages.load_or_compute("poses", [&] { return estimate_poses(); });  // 3.1: LOAM, 3.5: further drives
   const Evidence evidence = inputs::collect_evidence(drives_, poses_);
@@ -60,6 +64,9 @@ void DriveRun::plan(StageCache::Missing missing) {
   const Gains gains = stages.load_or_compute("exposure", [&] { return estimate_exposure(refine, progress_); });
   cameras_ = stages.load_or_compute("alignment", [&] { return align(refine, progress_); });  // 3.1, eq. 1
   views_ = inputs::refine_views(posed, gains, cameras_);
+  if (mask_of)
+    views_.masks = Lazy<cv::Mat1b>::through(
+        views_.size(), [mask_of, planned = posed.masks](std::size_t view) { return mask_of(view, planned); });
   context_.emplace(map_, views_, options_, cpu_);
   harmonized_ = Lazy<HarmonizedFrame>(frames(), [this](std::size_t frame) { return harmonize(frame); });
   if (is_synthesized(options_))
@@ -117,17 +124,36 @@ void DriveRun::fill_frames(const std::vector<std::size_t>& frames, const result:
     progress_.advance();
   };
   progress_.begin("fill", frames.size());
+  write_frames(frames, folder_.make_writer(views_, cameras_, cpu_, finish_frame));
+  progress_.end();
+}
+
+void DriveRun::write_frames(const std::vector<std::size_t>& frames, const WriteFrame& write) {
   for_each_smoothed(frames, this->frames(),
                     {.fill = [&](std::size_t frame) { return fill(frame); },
                      .smoothing = make_smoothing(options_.smooth, cpu_),  // 3.6
-                     .write = folder_.make_writer(views_, cameras_, cpu_, finish_frame)});
-  progress_.end();
+                     .write = write});
 }
 
 result::RunReport DriveRun::finish() {
   return folder_.complete(
       {.views = views_, .map = &map_, .poses = poses_, .cameras = cameras_, .cpu = cpu_, .objects = objects_.front()},
       progress_);
+}
+
+sections::PlannedSection DriveRun::load_section(const sections::Section& section) const {
+  const StageCache stages = folder_.make_stage_cache(progress_, StageCache::Missing::refuse);
+  auto poses = stages.load<Poses>("poses");
+  auto objects = stages.load<objects::Objects>("objects");
+  auto gains = stages.load<Gains>("exposure");
+  auto cameras = stages.load<Cameras>("alignment");
+  Views views = inputs::refine_views(inputs::make_views({drives_, poses, {}}, progress_), gains, cameras);
+  return {section,          drives_,          std::move(poses),  std::move(objects.front()),
+          std::move(views), std::move(gains), std::move(cameras)};
+}
+
+StaticMap DriveRun::load_map() const {
+  return folder_.make_stage_cache(progress_, StageCache::Missing::refuse).load("map", StaticMap(Scratch::of_process()));
 }
 
 Recordings DriveRun::open_drives() const {
@@ -153,16 +179,6 @@ HarmonizeInput DriveRun::make_harmonize_input(const Target& target, const Candid
   if (options_.harmonize.surface_classes) input.classes = stages.classify_surfaces(target, candidates, *ground);
   input.known = stages.sample_known(target, candidates);
   return input;
-}
-
-std::vector<std::string> DriveRun::ranges_of(const std::vector<std::size_t>& frames) const {
-  std::vector<std::string> out;
-  for (std::size_t first = 0, next = 1; next <= frames.size(); ++next) {
-    if (next < frames.size() && frames[next] == frames[next - 1] + 1) continue;
-    out.push_back(fmt::format("{}:{}", number_of(frames[first]), number_of(frames[next - 1])));
-    first = next;
-  }
-  return out;
 }
 
 }  // namespace dvi::run

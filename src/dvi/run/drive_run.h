@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 #include "dvi/ground/road_ground.h"
 #include "dvi/result/result_folder.h"
 #include "dvi/run/frame_stages.h"
+#include "dvi/sections/planned_section.h"
 #include "dvi/synthesize/completed_views.h"
 
 namespace dvi::run {
@@ -51,23 +53,35 @@ class DriveRun {
   /// Computes each stage before the fill, or loads it from the cache.
   void plan(result::StageCache::Missing missing = result::StageCache::Missing::compute);
 
+  /// Loads the plan as plan() does, and fills with other masks than those of the plan, one per view.
+  using MaskOfView = std::function<std::shared_ptr<const cv::Mat1b>(std::size_t view, const Lazy<cv::Mat1b>& planned)>;
+  void load_plan(const MaskOfView& mask_of);
+
   /// Fills one frame of the target, given by its view.
   result::FilledView fill(std::size_t frame) const;
   /// Fills, smooths, and writes frames, and passes each to `hand_on`.
   void fill_frames(const std::vector<std::size_t>& frames, const result::FinishedFrame& hand_on = {});
+  /// Does the same, but writes them with `write`, which is called from several threads.
+  using WriteFrame = std::function<void(std::size_t view, const result::FilledView& finished)>;
+  void write_frames(const std::vector<std::size_t>& frames, const WriteFrame& write);
 
   result::RunReport finish();
 
+  /// Loads what the joint result of all sections needs of the plan of this one. The map is loaded separately.
+  sections::PlannedSection load_section(const sections::Section& section) const;
+  map::StaticMap load_map() const;
+
   /// Returns the views of the target whose frames are not finished, ascending.
   std::vector<std::size_t> find_missing_frames() { return folder_.find_missing_frames(views_, progress_); }
+  const inputs::Recordings& drives() const { return drives_; }
+  const Views& views() const { return views_; }
   std::size_t frames() const { return views_.of_sequence(0).second; }
   /// Returns the number of a frame in the drive.
   int number_of(std::size_t frame) const { return drives_.front().drive.frames[views_[frame].frame].number; }
-  /// Returns "A:B" for each range of consecutive frames.
-  std::vector<std::string> ranges_of(const std::vector<std::size_t>& frames) const;
-  const result::CpuClock& cpu() const { return cpu_; }
+  result::CpuClock& cpu() { return cpu_; }
 
  private:
+  void compute_stages(result::StageCache::Missing missing, const MaskOfView& mask_of);
   inputs::Recordings open_drives() const;
   inputs::Poses estimate_poses() const;
   map::StaticMap build_map() const;

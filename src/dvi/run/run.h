@@ -39,6 +39,14 @@ struct PlanReport {
 /// Computes the stages before the fill: poses, objects, masks, map, exposure, and alignment.
 PlanReport plan(const job::Job& job, Progress& progress);
 
+/// Plans one section of the target, from 1, of job.sections; join() needs the plans of all. Returns the frames that it fills.
+/// Throws UsageError if there is no such section.
+PlanReport plan_section(const job::Job& job, std::size_t section, Progress& progress);
+
+/// Joins the plans of all sections into the plan of the whole drive, for fill() and finish(). Throws InputError that names the
+/// sections that are missing, or were planned by another program or with other options.
+PlanReport join(const job::Job& job, Progress& progress);
+
 /// The numbers of frames of a fill.
 struct FillReport {
   std::size_t frames = 0;  ///< in the range
