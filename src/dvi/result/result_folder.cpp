@@ -1,7 +1,6 @@
 #include "dvi/result/result_folder.h"
 
 #include <algorithm>
-#include <array>
 #include <fstream>
 #include <memory>
 #include <set>
@@ -29,6 +28,7 @@
 #include "dvi/result/result_media.h"
 #include "dvi/result/section_folder.h"
 #include "dvi/result/source_masks.h"
+#include "dvi/result/sources_json.h"
 #include "dvi/result/stage_json.h"
 #include "dvi/result/write_report.h"
 
@@ -36,36 +36,6 @@ namespace dvi::result {
 namespace {
 
 fs::path job_file(const fs::path& out) { return out / ".dvi/job.json"; }
-
-/// Returns the calibration of a camera in the form of dvi.toml of the plain layout.
-nlohmann::json camera_json(const Drive& drive) {
-  const Camera& c = drive.camera;
-  return {{"drive", fs::absolute(drive.path).lexically_normal().string()},
-          {"camera", drive.camera_name},
-          {"size", {c.width, c.height}},
-          {"K", {c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1}},
-          {"distortion", c.distortion}};
-}
-
-/// Returns the contents of sources.json: the image of each source number in the provenance, and all cameras.
-nlohmann::json sources_json(const Views& views, const inputs::Recordings& drives) {
-  nlohmann::json sources = nlohmann::json::array();
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    const Drive& drive = drives[static_cast<std::size_t>(views[i].sequence)].drive;
-    const Frame& frame = drive.frames[views[i].frame];
-    const cv::Vec3f& gain = views[i].gain;
-    sources.push_back({{"number", i},
-                       {"drive", fs::absolute(drive.path).lexically_normal().string()},
-                       {"camera", drive.camera_name},
-                       {"frame", frame.name},
-                       {"file", fs::absolute(frame.file).lexically_normal().string()},
-                       {"exposure_gain", std::array<float, 3>{gain[2], gain[1], gain[0]}},
-                       {"vignetting", views[i].vignetting}});
-  }
-  nlohmann::json cameras = nlohmann::json::array();
-  for (const inputs::Recording& open : drives) cameras.push_back(camera_json(open.drive));
-  return {{"schema", "dvi-sources/1"}, {"cameras", cameras}, {"sources", sources}};
-}
 
 std::vector<std::string> list_pictures(const std::string& name) {
   std::vector<std::string> files;

@@ -67,7 +67,7 @@ class DriveRun {
 
   result::RunReport finish();
 
-  /// Loads what the joint result of all sections needs of the plan of this one. The map is loaded separately.
+  /// Loads the part of the plan of this section that the joint plan of all needs. The map is loaded separately.
   sections::PlannedSection load_section(const sections::Section& section) const;
   map::StaticMap load_map() const;
 

@@ -205,7 +205,7 @@ PoseChoice join_choices(const std::vector<PlannedSection>& sections, const input
   return joint;
 }
 
-/// Warns if sections that are no neighbors show the same place.
+/// Warns if two sections show the same place that are not neighbors.
 void warn_of_returns(const Trajectory& joint, const std::vector<Border>& borders, Progress& progress) {
   std::vector<std::pair<std::size_t, Eigen::Vector3d>> places;
   for (const StampedPose& pose : joint.poses())
