@@ -37,6 +37,11 @@ dvi plan one two -o pieces
 dvi fill pieces --frames 0:1
 dvi fill pieces
 dvi finish pieces
+for section in 1/2 2/2; do dvi plan one two -o sections --section $section; done
+dvi join sections
+dvi fill sections
+dvi finish sections
+dvi audit sections one two
 dvi convert rig -o converted
 mkdir mine && cp -r one/images one/lidar mine && "$program" init mine >stdout
 dvi forecast one two -o forecast

@@ -10,7 +10,6 @@ namespace dvi {
 namespace {
 
 using testing::HasSubstr;
-using testing::Not;
 
 /// Plans drives in sections.
 class Sections : public ProgramTest {

@@ -78,12 +78,10 @@ def killed_after_stage(scene):
     return ", ".join(done), found + [f"{name} was made again" for name in again]
 
 
-def pieces_killed(scene):
-    """plan, two fills with a common frame, and finish are each killed at a random time, up to twice, and called again."""
-    fills = [("fill", scene.out, "--frames", "0:1"), ("fill", scene.out, "--frames", "1:99")]
-    scene.rng.shuffle(fills)
+def call_despite_kills(scene, steps):
+    """Each step is killed at a random time, up to twice, and called again. Returns a description, and findings."""
     done = []
-    for step in (("plan", scene.drive, "-o", scene.out), *fills, ("finish", scene.out)):
+    for step in steps:
         for _ in range(scene.rng.randint(0, 2)):
             moment = scene.rng.uniform(0, scene.seconds)
             process = scene.program.start(*step)
@@ -96,7 +94,30 @@ def pieces_killed(scene):
         ended = scene.program.call(*step)
         if ended.code != 0:
             return ", ".join(done), [f"{step[0]} again exits with {ended.code}: {classify.first_line(ended.err)}"]
-    return ", ".join(done) or "no kill before the ends", differences(scene.expected, scene.out)
+    return ", ".join(done) or "no kill before the ends", []
+
+
+def fills_of(scene):
+    """Two fills with a common frame, in any order."""
+    fills = [("fill", scene.out, "--frames", "0:1"), ("fill", scene.out, "--frames", "1:99")]
+    scene.rng.shuffle(fills)
+    return fills
+
+
+def pieces_killed(scene):
+    """plan, two fills with a common frame, and finish are each killed at a random time, up to twice, and called again."""
+    done, found = call_despite_kills(scene, (("plan", scene.drive, "-o", scene.out), *fills_of(scene), ("finish", scene.out)))
+    return done, found or differences(scene.expected, scene.out)
+
+
+def sections_killed(scene):
+    """The same with a plan in two sections, which are joined. Their overlaps are the whole drive, so the frames are the same."""
+    sections = [("plan", scene.drive, "-o", scene.out, "--section", section) for section in ("1/2", "2/2")]
+    scene.rng.shuffle(sections)
+    done, found = call_despite_kills(scene, (*sections, ("join", scene.out), *fills_of(scene), ("finish", scene.out)))
+    frames = {name: content for name, content in scene.expected.items() if name.startswith(("frames/", "provenance/"))}
+    made = contents(scene.out)
+    return done, found or [f"{name} differs" for name, content in frames.items() if made.get(name) != content]
 
 
 def import_killed(scene):
@@ -299,4 +320,4 @@ class Tmpfs:
 
 
 ALL = (killed, damaged, power_cut, disk_full, stages_damaged, killed, two_at_once, read_only, input_changed, damaged,
-       killed_after_stage, stages_damaged, pieces_killed, import_killed)
+       killed_after_stage, stages_damaged, pieces_killed, import_killed, sections_killed)

@@ -111,6 +111,7 @@ std::string describe_progress(const fs::path& out) {
   });
   std::vector<std::string> kept = list_cached_stages(out);
   if (finished > 0) kept.push_back(fmt::format("{} finished frames", finished));
+  if (has_sections(out)) kept.emplace_back("plans of sections");
   if (kept.empty()) return "no part is finished; the same command starts again";
   return fmt::format("{} are kept; the same command continues the run", fmt::join(kept, ", "));
 }

@@ -55,7 +55,9 @@ class Join : public testing::Test {
   Join() {
     drives.push_back({make_recording(0, 39)});
     for (const Section& section : cut) {
-      PlannedSection planned{section, {{make_recording(section.read.first, section.read.last)}}, {}, {}, {}, {}, {}};
+      PlannedSection planned;
+      planned.section = section;
+      planned.drives.push_back({make_recording(section.read.first, section.read.last)});
       planned.poses.push_back({{}, poses_from(planned.target())});
       sections.push_back(std::move(planned));
     }
