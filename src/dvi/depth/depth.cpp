@@ -122,7 +122,7 @@ DepthMap compute_depth_map(const map::StaticMap& map, const View& view, const De
   if (options.median_px >= 3) cv::medianBlur(image.inverse.clone(), image.inverse, options.median_px);
 
   const std::vector<int> sky = find_skyline(mesh.surfels, view.camera, options.sky_gap_deg);
-  std::vector<float> sigma;  // of each surfel
+  std::vector<float> sigma;  // one per surfel
   sigma.reserve(mesh.surfels.size());
   for (const Surfel& surfel : mesh.surfels)
     sigma.push_back(std::hypot(kDepthMap.range_sigma_m, kDepthMap.pose_sigma_m / surfel.cosine));

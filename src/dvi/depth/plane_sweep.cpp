@@ -12,7 +12,7 @@
 
 #include "dvi/depth/semi_global.h"
 #include "dvi/depth/source_frames.h"
-#include "dvi/image/enlarge_box.h"
+#include "dvi/image/enlarge.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/image/region.h"
 
@@ -91,7 +91,7 @@ class ContrastImage {
 
   void compute(cv::Point block) {
     const cv::Rect box = cv::Rect(block * kBlockPx, cv::Size(kBlockPx, kBlockPx)) & cv::Rect({}, values_.size());
-    const cv::Rect near = enlarge_box(box, kPlaneSweep.contrast_window_px, values_.size());
+    const cv::Rect near = enlarge(box, kPlaneSweep.contrast_window_px, values_.size());
     compute_contrast((*image_)(near), (*mask_)(near))(box - near.tl()).copyTo(values_(box));
     is_known_(block) = 1;
   }

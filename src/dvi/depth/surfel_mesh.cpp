@@ -86,8 +86,8 @@ class NormalEstimator {
   NormalEstimator(const SurfelMesh& mesh, const View& view, float max_slope)
       : mesh_(mesh), fans_(mesh), center_(camera_center(view)), max_slope_(max_slope) {}
 
-  /// Of the planes of the triangles around a surfel and of its neighbors, selects the one that most neighbors lie on. Returns
-  /// zero if no plane has a majority.
+  /// Selects, among the planes of the triangles around a surfel and of its neighbors, the one that most neighbors lie on.
+  /// Returns zero if no plane has a majority.
   Eigen::Vector3f estimate(std::size_t surfel) {
     find_neighbors(surfel);
     sight_ = (center_ - mesh_.surfels[surfel].world).normalized();

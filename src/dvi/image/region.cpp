@@ -4,7 +4,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "dvi/image/enlarge_box.h"
+#include "dvi/image/enlarge.h"
 
 namespace dvi {
 namespace {
@@ -15,7 +15,7 @@ cv::Mat1b change_near_mask(const cv::Mat1b& mask, int distance_px, const Change&
   cv::Mat1b out(mask.size(), uchar{0});
   const cv::Rect tight = cv::boundingRect(mask);
   if (tight.empty()) return out;
-  const cv::Rect box = enlarge_box(tight, distance_px, mask.size());
+  const cv::Rect box = enlarge(tight, distance_px, mask.size());
   change(mask(box)).copyTo(out(box));
   return out;
 }

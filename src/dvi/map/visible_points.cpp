@@ -65,7 +65,9 @@ struct ZBuffer {
     NearestPoint& pixel = nearest[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
     if (point.z < pixel.z) pixel = point;
   }
-  const NearestPoint* row(int y) const { return nearest.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width); }
+  const NearestPoint* row(int y) const {
+    return nearest.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+  }
 
   int width, height;
   std::vector<NearestPoint> nearest;

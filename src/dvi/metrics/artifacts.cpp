@@ -8,7 +8,7 @@
 
 #include "dvi/core/lazy.h"
 #include "dvi/core/threads.h"
-#include "dvi/image/enlarge_box.h"
+#include "dvi/image/enlarge.h"
 #include "dvi/image/gray.h"
 #include "dvi/image/optical_flow.h"
 #include "dvi/media/image_file.h"
@@ -57,7 +57,7 @@ std::size_t count_overshoots(const cv::Mat1b& gray, const cv::Mat1b& mask, const
 
 /// The part of a frame that is compared: the hole, its boundary, and a margin for the optical flow.
 cv::Rect find_compared_part(const cv::Mat1b& mask) {
-  return enlarge_box(cv::boundingRect(mask), kArtifact.boundary_px + kArtifact.flow_margin_px, mask.size());
+  return enlarge(cv::boundingRect(mask), kArtifact.boundary_px + kArtifact.flow_margin_px, mask.size());
 }
 
 /// Warps another frame to this one by optical flow.

@@ -146,11 +146,12 @@ Region select_known_pixels(const cv::Mat1b& mask) {
 
 /// Finds, for each of the pixels, the index of the nearest hole pixel that has a candidate; the size of the hole if none has.
 std::vector<std::size_t> find_nearest_copied(const Candidates& hole, const Region& pixels) {
+  if (pixels.size() == 0) return {};
   cv::Mat1b copied(hole.hole.index.size(), uchar{0}), used(copied.size(), uchar{0});
   for (std::size_t i = 0; i < hole.leading.size(); ++i)
     if (hole.leading[i].found()) copied(hole.hole.pixels[i]) = used(hole.hole.pixels[i]) = 255;
   for (const cv::Point p : pixels.pixels) used(p) = 255;
-  const cv::Rect box = cv::boundingRect(used);  // the nearest pixels do not depend on what is outside it
+  const cv::Rect box = cv::boundingRect(used);  // pixels outside it cannot be nearer
   const NearestPixel nearest(copied(box));
   std::vector<std::size_t> out;
   out.reserve(pixels.size());

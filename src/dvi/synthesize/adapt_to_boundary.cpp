@@ -7,7 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "dvi/image/enlarge_box.h"
+#include "dvi/image/enlarge.h"
 #include "dvi/image/neighbors.h"
 #include "dvi/image/poisson.h"
 #include "dvi/image/region.h"
@@ -27,7 +27,7 @@ constexpr BoundaryParams kBoundary;
 /// The mean color of the pixels of a mask over a square around each pixel of a box.
 struct MaskedMean {
   MaskedMean(const cv::Mat3f& color, const cv::Mat1b& mask, const cv::Rect& pixels)
-      : near(enlarge_box(pixels, kBoundary.side_px, mask.size())) {
+      : near(enlarge(pixels, kBoundary.side_px, mask.size())) {
     cv::Mat3f masked(near.size(), cv::Vec3f());
     color(near).copyTo(masked, mask(near));
     const cv::Size side(kBoundary.side_px, kBoundary.side_px);

@@ -12,7 +12,7 @@
 #include "dvi/drive/sensor.h"
 #include "dvi/geometry/se3.h"
 #include "dvi/harmonize/surface_class.h"
-#include "dvi/image/enlarge_box.h"
+#include "dvi/image/enlarge.h"
 #include "dvi/image/region.h"
 
 namespace dvi::synthesize {
@@ -113,7 +113,7 @@ SurfaceGuide guide_by_surfaces(const ClassifiedFrame& frame, const View& view, c
   const std::vector<cv::Point> pixels = Region(where).pixels;
   if (pixels.empty()) return out;
   for (const cv::Point p : pixels) out.group(p) = static_cast<uchar>(surfaces.group_of(p));
-  const cv::Rect box = enlarge_box(cv::boundingRect(where), kSurfaceGuide.median_px, size);
+  const cv::Rect box = enlarge(cv::boundingRect(where), kSurfaceGuide.median_px, size);
   cv::Mat1b level(out.group(box) == static_cast<uchar>(Group::ground));
   cv::medianBlur(level, level, kSurfaceGuide.median_px);
   for (const cv::Point p : pixels) {

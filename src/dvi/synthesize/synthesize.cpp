@@ -14,7 +14,7 @@
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/image/blur.h"
 #include "dvi/image/color_range.h"
-#include "dvi/image/enlarge_box.h"
+#include "dvi/image/enlarge.h"
 #include "dvi/image/neighbors.h"
 #include "dvi/image/poisson.h"
 #include "dvi/image/region.h"
@@ -65,7 +65,7 @@ double confidence_of_synthesis(float distance_px, float contrast) {
 /// Writes the probability of each pixel of a region that it is within 10 gray levels of the truth.
 void write_confidence(const Region& region, harmonize::FilledFrame& out) {
   const cv::Mat1b unobserved(out.kind >= static_cast<uchar>(Kind::interpolated));
-  const cv::Rect box = enlarge_box(cv::boundingRect(unobserved), 1, unobserved.size());
+  const cv::Rect box = enlarge(cv::boundingRect(unobserved), 1, unobserved.size());
   cv::Mat1f distance;
   cv::distanceTransform(unobserved(box), distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
   const cv::Mat1f contrast = measure_fine_contrast(out.color);
