@@ -239,6 +239,8 @@ float ExemplarSearch::cost_of(cv::Point target, cv::Point source, float limit) c
   if (prior >= limit) return kInfinite;
   const int y0 = std::max(-kR, -target.y), y1 = std::min(kR, level_.size().height - 1 - target.y),
             x0 = std::max(-kR, -target.x), x1 = std::min(kR, level_.size().width - 1 - target.x);
+  const int columns = x1 - x0 + 1;
+  const auto width = static_cast<std::size_t>(columns);
   const float most = weight_(target) * (limit - prior);
   const bool identity = warp.is_identity();
   constexpr float kOtherGroup = kExemplar.group_levels * kExemplar.group_levels;
@@ -256,7 +258,7 @@ float ExemplarSearch::cost_of(cv::Point target, cv::Point source, float limit) c
       const cv::Vec4f* other = level_.color[source.y + y] + source.x;
       const uchar* other_group = level_.group[source.y + y] + source.x;
       for (int x = x0; x <= x1; ++x) compare(x, cv::v_load(other[x].val));
-      if (std::memcmp(group + x0, other_group + x0, static_cast<std::size_t>(x1 - x0 + 1)) != 0)
+      if (std::memcmp(group + x0, other_group + x0, width) != 0)
         for (int x = x0; x <= x1; ++x)
           if (group[x] != other_group[x]) groups += weight[x][0] * kOtherGroup;
     } else {
