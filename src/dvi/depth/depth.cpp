@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <vector>
 
 #include <opencv2/imgproc.hpp>
 
@@ -34,8 +36,8 @@ struct TriangleImage {
 
 /// Calls `visit(x, y, weights of the corners)` for all pixels within a triangle.
 template <class Visit>
-void for_each_pixel(const Triangle& t, cv::Size size, const Visit& visit) {
-  const Surfel &a = t.corner(0), &b = t.corner(1), &c = t.corner(2);
+void for_each_pixel(const Corners& corners, cv::Size size, const Visit& visit) {
+  const Surfel &a = *corners[0], &b = *corners[1], &c = *corners[2];
   const float area = (b.u - a.u) * (c.v - a.v) - (c.u - a.u) * (b.v - a.v);
   if (std::abs(area) < 1e-6F) return;
   const auto [u0, u1] = std::minmax({a.u, b.u, c.u});
@@ -57,14 +59,16 @@ void for_each_pixel(const Triangle& t, cv::Size size, const Visit& visit) {
 TriangleImage draw_triangles(const SurfelMesh& mesh, const View& view, const DepthOptions& options) {
   TriangleImage image(view.camera.height, view.camera.width);
   for (const auto& corners : mesh.triangles) {
-    const Triangle triangle(mesh, corners);
-    for_each_pixel(triangle, image.inverse.size(), [&](int x, int y, const std::array<float, 3>& w) {
+    const Corners sorted = sort_corners(mesh, corners);
+    std::optional<Triangle> triangle;  // many triangles contain no pixel
+    for_each_pixel(sorted, image.inverse.size(), [&](int x, int y, const std::array<float, 3>& w) {
+      if (!triangle) triangle.emplace(sorted);
       const Triangle::Value value =
-          options.split_edges ? triangle.evaluate(static_cast<float>(x), static_cast<float>(y), w) : triangle.interpolate(w);
+          options.split_edges ? triangle->evaluate(static_cast<float>(x), static_cast<float>(y), w) : triangle->interpolate(w);
       image.inverse(y, x) = value.inverse;
       image.spread(y, x) = value.spread;
-      image.owner(y, x) = static_cast<int>(&triangle.corner(value.corner) - mesh.surfels.data());
-      image.gap(y, x) = triangle.is_gap() ? 255 : 0;
+      image.owner(y, x) = static_cast<int>(&triangle->corner(value.corner) - mesh.surfels.data());
+      image.gap(y, x) = triangle->is_gap() ? 255 : 0;
     });
   }
   return image;
@@ -74,13 +78,15 @@ TriangleImage draw_triangles(const SurfelMesh& mesh, const View& view, const Dep
 /// of a parked car that a removed object occluded. A tree crown is not extended, because the ground behind it is reached first.
 void extend_upright_surfaces(TriangleImage& image, const std::vector<Surfel>& surfels) {
   const int rows = image.inverse.rows;
+  const cv::Mat1b gap_of_column(image.gap.t());  // columns are read from top to bottom
   for (int x = 0; x < image.inverse.cols; ++x)
     for (int y = 1; y < rows; ++y) {
+      if (gap_of_column(x, y) == 0) continue;
       const int owner = image.owner(y - 1, x);
-      if (image.gap(y, x) == 0 || owner < 0 || std::abs(surfels[owner].normal.z()) > kDepthMap.max_wall_tilt_sine) continue;
+      if (owner < 0 || std::abs(surfels[owner].normal.z()) > kDepthMap.max_wall_tilt_sine) continue;
       const auto plane = [&](int v) { return surfels[owner].inverse_at(static_cast<float>(x), static_cast<float>(v)); };
       int foot = y;
-      while (foot < rows && image.gap(foot, x) != 0 && plane(foot) > image.inverse(foot, x)) ++foot;
+      while (foot < rows && gap_of_column(x, foot) != 0 && plane(foot) > image.inverse(foot, x)) ++foot;
       if (foot == rows || image.owner(foot, x) < 0 || !surfels[image.owner(foot, x)].is_ground()) continue;
       const float ratio = plane(foot) / image.inverse(foot, x);
       if (ratio > kDepthMap.max_ground_ratio || ratio * kDepthMap.max_ground_ratio < 1) continue;
@@ -116,6 +122,10 @@ DepthMap compute_depth_map(const map::StaticMap& map, const View& view, const De
   if (options.median_px >= 3) cv::medianBlur(image.inverse.clone(), image.inverse, options.median_px);
 
   const std::vector<int> sky = find_skyline(mesh.surfels, view.camera, options.sky_gap_deg);
+  std::vector<float> sigma;  // one per surfel
+  sigma.reserve(mesh.surfels.size());
+  for (const Surfel& surfel : mesh.surfels)
+    sigma.push_back(std::hypot(kDepthMap.range_sigma_m, kDepthMap.pose_sigma_m / surfel.cosine));
   DepthMap depth{cv::Mat1f(image.inverse.size(), DepthMap::kUnknown), cv::Mat1f(image.inverse.size(), 0.0F)};
   for (int y = 0; y < depth.z.rows; ++y)
     for (int x = 0; x < depth.z.cols; ++x) {
@@ -124,9 +134,8 @@ DepthMap compute_depth_map(const map::StaticMap& map, const View& view, const De
         depth.z(y, x) = DepthMap::kSky;
       } else if (inverse > 0) {
         const int owner = image.owner(y, x);
-        const float across = owner < 0 ? 0 : kDepthMap.pose_sigma_m / mesh.surfels[owner].cosine;
         depth.z(y, x) = 1 / inverse;
-        depth.sigma(y, x) = std::max(image.spread(y, x), std::hypot(kDepthMap.range_sigma_m, across));
+        depth.sigma(y, x) = std::max(image.spread(y, x), owner < 0 ? kDepthMap.range_sigma_m : sigma[owner]);
       }
     }
   return depth;

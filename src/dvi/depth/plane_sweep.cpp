@@ -5,12 +5,14 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/depth/semi_global.h"
 #include "dvi/depth/source_frames.h"
+#include "dvi/image/enlarge.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/image/region.h"
 
@@ -44,37 +46,6 @@ struct PlaneSweepParams {
 constexpr PlaneSweepParams kPlaneSweep;
 constexpr int kMaxViews = 20;  // source frames and the target
 
-/// A view that is compared.
-struct Source {
-  const Camera* camera;
-  SE3 source_from_target;
-  std::shared_ptr<const cv::Mat1f> contrast;
-  std::shared_ptr<const depth::VisibilityMap> visibility;
-
-  /// Reads the contrast of the point at `x` (in its camera axes, up to scale; its depth is `z`). Returns whether it is visible.
-  bool read_contrast(const Eigen::Vector3d& x, double z, float& value) const {
-    if (!camera->in_front(x)) return false;
-    const Eigen::Vector2d pixel = camera->project(x);
-    if (!camera->contains(pixel)) return false;
-    const cv::Point2f at(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()));
-    if (visibility->is_masked(at) || visibility->occludes(at, z, kPlaneSweep.occlusion_tolerance)) return false;
-    value = bilinear(*contrast, at);
-    return true;
-  }
-};
-
-/// A box of the target's image, its labels (label k is the inverse depth k * step), and the views that are compared.
-struct Tile {
-  cv::Rect box;
-  cv::Mat1b searched;  ///< Pixels of the box whose depth is searched: 255.
-  cv::Mat1f below;     ///< Inverse depth of the nearest surface below each searched pixel; 0: none.
-  int labels = 0;
-  double step = 0;  ///< The step between labels, in 1/m.
-  std::vector<Source> sources;
-
-  double inverse_depth(int label) const { return label == 0 ? 1 / depth::DepthMap::kInfinity : label * step; }
-};
-
 /// Computes the contrast of an image, which does not depend on its illumination: the difference to the mean of the surrounding
 /// window, relative to that mean. Masked pixels do not count and have contrast 0.
 cv::Mat1f compute_contrast(const cv::Mat3b& image, const cv::Mat1b& mask) {
@@ -96,6 +67,71 @@ cv::Mat1f compute_contrast(const cv::Mat3b& image, const cv::Mat1b& mask) {
       }
   return out;
 }
+
+/// The contrast of a view, computed for the blocks of its image that are read.
+class ContrastImage {
+ public:
+  ContrastImage(std::shared_ptr<const cv::Mat3b> image, std::shared_ptr<const cv::Mat1b> mask)
+      : image_(std::move(image)),
+        mask_(std::move(mask)),
+        values_(image_->size()),
+        is_known_((image_->rows - 1) / kBlockPx + 1, (image_->cols - 1) / kBlockPx + 1, uchar{0}) {}
+
+  /// Interpolates the contrast at a position.
+  float at(cv::Point2f position) {
+    const int x = static_cast<int>(position.x) / kBlockPx, y = static_cast<int>(position.y) / kBlockPx;
+    const int x1 = (static_cast<int>(position.x) + 1) / kBlockPx, y1 = (static_cast<int>(position.y) + 1) / kBlockPx;
+    for (const cv::Point block : {cv::Point(x, y), cv::Point(x1, y), cv::Point(x, y1), cv::Point(x1, y1)})
+      if (block.x < is_known_.cols && block.y < is_known_.rows && is_known_(block) == 0) compute(block);
+    return bilinear(values_, position);
+  }
+
+ private:
+  static constexpr int kBlockPx = 64;
+
+  void compute(cv::Point block) {
+    const cv::Rect box = cv::Rect(block * kBlockPx, cv::Size(kBlockPx, kBlockPx)) & cv::Rect({}, values_.size());
+    const cv::Rect near = enlarge(box, kPlaneSweep.contrast_window_px, values_.size());
+    compute_contrast((*image_)(near), (*mask_)(near))(box - near.tl()).copyTo(values_(box));
+    is_known_(block) = 1;
+  }
+
+  std::shared_ptr<const cv::Mat3b> image_;
+  std::shared_ptr<const cv::Mat1b> mask_;
+  cv::Mat1f values_;
+  cv::Mat1b is_known_;  ///< Per block, whether its values are computed.
+};
+
+/// A view that is compared.
+struct Source {
+  const Camera* camera;
+  SE3 source_from_target;
+  std::shared_ptr<ContrastImage> contrast;
+  std::shared_ptr<const depth::VisibilityMap> visibility;
+
+  /// Reads the contrast of the point at `x` (in its camera axes, up to scale; its depth is `z`). Returns whether it is visible.
+  bool read_contrast(const Eigen::Vector3d& x, double z, float& value) const {
+    if (!camera->in_front(x)) return false;
+    const Eigen::Vector2d pixel = camera->project(x);
+    if (!camera->contains(pixel)) return false;
+    const cv::Point2f at(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()));
+    if (visibility->is_masked(at) || visibility->occludes(at, z, kPlaneSweep.occlusion_tolerance)) return false;
+    value = contrast->at(at);
+    return true;
+  }
+};
+
+/// A box of the target's image, its labels (label k is the inverse depth k * step), and the views that are compared.
+struct Tile {
+  cv::Rect box;
+  cv::Mat1b searched;  ///< Pixels of the box whose depth is searched: 255.
+  cv::Mat1f below;     ///< Inverse depth of the nearest surface below each searched pixel; 0: none.
+  int labels = 0;
+  double step = 0;  ///< The step between labels, in 1/m.
+  std::vector<Source> sources;
+
+  double inverse_depth(int label) const { return label == 0 ? 1 / depth::DepthMap::kInfinity : label * step; }
+};
 
 /// How well views agree on a point, in units of the noise.
 struct Agreement {
@@ -317,10 +353,10 @@ DepthMap sweep_planes(const Target& target, const PlaneSweepOptions& options) {
   DepthMap out{target.depth.z.clone(), target.depth.sigma.clone()};
   const cv::Mat1b hole = *target.mask();
   const Camera& camera = target.view().camera;
-  std::map<std::size_t, std::shared_ptr<const cv::Mat1f>> contrasts;
+  std::map<std::size_t, std::shared_ptr<ContrastImage>> contrasts;
   const auto source_of = [&](std::size_t view) {
     auto& image = contrasts[view];
-    if (!image) image = std::make_shared<cv::Mat1f>(compute_contrast(*views.images[view], *views.masks[view]));
+    if (!image) image = std::make_shared<ContrastImage>(views.images[view], views.masks[view]);
     return Source{&views[view].camera, views[view].camera_from_world * target.view().camera_from_world.inverse(), image,
                   target.visibility[view]};
   };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 #include <span>
 
@@ -78,57 +79,83 @@ struct Fans {
   std::vector<std::size_t> first, triangles;
 };
 
-/// The camera center in world coordinates, and the largest slope of planes that are not ground (SurfelMeshOptions).
-struct PlaneSearch {
-  Eigen::Vector3f center;
-  float max_slope;
-};
+/// Estimates normals of surfels for which the map has none, because returns are sparse.
+class NormalEstimator {
+ public:
+  /// `max_slope` is the largest slope of planes that are not ground (SurfelMeshOptions).
+  NormalEstimator(const SurfelMesh& mesh, const View& view, float max_slope)
+      : mesh_(mesh), fans_(mesh), center_(camera_center(view)), max_slope_(max_slope) {}
 
-/// Estimates the normal of a surfel for which the map has none, because returns are sparse. Of the planes of the triangles
-/// around it and of its neighbors, the one that most neighbors lie on is selected. The normal is zero if no plane has a
-/// majority.
-Eigen::Vector3f estimate_normal(const SurfelMesh& mesh, const Fans& fans, std::size_t i, const PlaneSearch& search) {
-  const Eigen::Vector3f& at = mesh.surfels[i].world;
-  const Eigen::Vector3f sight = (search.center - at).normalized();
-  std::vector<std::size_t> around;  // a neighbor appears once per shared triangle
-  for (std::size_t f = fans.first[i]; f < fans.first[i + 1]; ++f)
-    for (const std::size_t k : mesh.triangles[fans.triangles[f]])
-      if (k != i) around.push_back(k);
-  Eigen::Vector3f best = Eigen::Vector3f::Zero();
-  float max_sum = 0;
-  const auto vote = [&](const Eigen::Vector3f& normal) {
-    if (std::abs(normal.dot(sight)) * search.max_slope < 1 && std::abs(normal.z()) < kSurfel.min_ground_cosine) return;
-    float on = 0, all = 0, sum = 0;
-    for (const std::size_t k : around) {
-      const Eigen::Vector3f to_neighbor = mesh.surfels[k].world - at;
-      const float tolerance = std::min(kSurfel.noise_m + kSurfel.normal_error * to_neighbor.norm(), kSurfel.max_offset_m);
-      const float off = std::abs(normal.dot(to_neighbor)) / tolerance;
-      const float weight = 1 / (1 + to_neighbor.norm());  // distant neighbors are more often of another surface
-      all += weight;
-      on += off < 1 ? weight : 0;
-      sum += weight * std::max(0.0F, 1 - off);
+  /// Selects, among the planes of the triangles around a surfel and of its neighbors, the one that most neighbors lie on.
+  /// Returns zero if no plane has a majority.
+  Eigen::Vector3f estimate(std::size_t surfel) {
+    find_neighbors(surfel);
+    sight_ = (center_ - mesh_.surfels[surfel].world).normalized();
+    best_ = Eigen::Vector3f::Zero();
+    max_sum_ = 0;
+    for (std::size_t k = 0; k + 1 < around_.size(); k += 2) {
+      const Eigen::Vector3f normal = around_[k].displacement.cross(around_[k + 1].displacement);
+      if (normal.squaredNorm() > 0) vote(normal.normalized());
     }
-    if (2 * on <= all || sum <= max_sum) return;
-    max_sum = sum;
-    best = normal;
-  };
-  for (std::size_t k = 0; k + 1 < around.size(); k += 2) {
-    const Eigen::Vector3f normal = (mesh.surfels[around[k]].world - at).cross(mesh.surfels[around[k + 1]].world - at);
-    if (normal.squaredNorm() > 0) vote(normal.normalized());
+    for (const Neighbor& neighbor : around_)
+      if (neighbor.surfel->has_normal) vote(neighbor.surfel->normal);
+    return best_;
   }
-  for (const std::size_t k : around)
-    if (mesh.surfels[k].has_normal) vote(mesh.surfels[k].normal);
-  return best;
-}
+
+ private:
+  struct Neighbor {
+    const Surfel* surfel;
+    Eigen::Vector3f displacement;  ///< In world axes, in meters.
+    float tolerance;               ///< Offset from a plane in meters within which the neighbor lies on it.
+    float weight;                  ///< Distant neighbors are more often of another surface.
+  };
+
+  /// Lists the neighbors, each of them once per shared triangle.
+  void find_neighbors(std::size_t surfel) {
+    around_.clear();
+    total_weight_ = 0;
+    for (std::size_t f = fans_.first[surfel]; f < fans_.first[surfel + 1]; ++f)
+      for (const std::size_t k : mesh_.triangles[fans_.triangles[f]]) {
+        if (k == surfel) continue;
+        const Eigen::Vector3f displacement = mesh_.surfels[k].world - mesh_.surfels[surfel].world;
+        const float distance = displacement.norm();
+        around_.push_back({&mesh_.surfels[k], displacement,
+                           std::min(kSurfel.noise_m + kSurfel.normal_error * distance, kSurfel.max_offset_m),
+                           1 / (1 + distance)});
+        total_weight_ += around_.back().weight;
+      }
+  }
+
+  void vote(const Eigen::Vector3f& normal) {
+    if (std::abs(normal.dot(sight_)) * max_slope_ < 1 && std::abs(normal.z()) < kSurfel.min_ground_cosine) return;
+    float on = 0, sum = 0;
+    for (const Neighbor& neighbor : around_) {
+      const float off = std::abs(normal.dot(neighbor.displacement)) / neighbor.tolerance;
+      on += off < 1 ? neighbor.weight : 0;
+      sum += neighbor.weight * std::max(0.0F, 1 - off);
+    }
+    if (2 * on <= total_weight_ || sum <= max_sum_) return;
+    max_sum_ = sum;
+    best_ = normal;
+  }
+
+  const SurfelMesh& mesh_;
+  const Fans fans_;
+  Eigen::Vector3f center_;
+  float max_slope_;
+  std::vector<Neighbor> around_;  // this and the following are of the surfel that is estimated
+  float total_weight_ = 0, max_sum_ = 0;
+  Eigen::Vector3f sight_, best_;
+};
 
 void set_normals(SurfelMesh& mesh, const View& view, float max_slope) {
   const Eigen::Vector3f center = camera_center(view);
-  const Fans fans(mesh);
+  NormalEstimator estimator(mesh, view, max_slope);
   std::vector<std::size_t> missing;
   for (std::size_t i = 0; i < mesh.surfels.size(); ++i)
     if (!mesh.surfels[i].has_normal) missing.push_back(i);
   std::vector<Eigen::Vector3f> found(missing.size());
-  for (std::size_t b = 0; b < missing.size(); ++b) found[b] = estimate_normal(mesh, fans, missing[b], {center, max_slope});
+  for (std::size_t b = 0; b < missing.size(); ++b) found[b] = estimator.estimate(missing[b]);
   for (std::size_t b = 0; b < missing.size(); ++b) {
     Surfel& s = mesh.surfels[missing[b]];
     s.has_normal = !found[b].isZero();
@@ -139,16 +166,19 @@ void set_normals(SurfelMesh& mesh, const View& view, float max_slope) {
     if (s.is_ground() ? s.normal.z() < 0 : s.normal.dot(center - s.world) < 0) s.normal *= -1;
 }
 
+/// A normal with an unused fourth component of 0, so that it is added by one instruction.
+using PaddedNormal = Eigen::Vector4f;
+
 /// Two neighboring surfels with normals. It stores the terms of classify_joint() that do not depend on the normals.
 struct Link {
-  std::size_t a, b;
+  std::uint32_t a, b;
   Eigen::Vector3f b_from_a;
   float max_offset_m;
 
-  bool is_one_surface(const Eigen::Vector3f& normal_a, const Eigen::Vector3f& normal_b) const {
-    const float b_before_a = normal_a.dot(b_from_a), a_before_b = -normal_b.dot(b_from_a);
+  bool is_one_surface(const PaddedNormal& normal_a, const PaddedNormal& normal_b) const {
+    const float b_before_a = normal_a.head<3>().dot(b_from_a), a_before_b = -normal_b.head<3>().dot(b_from_a);
     return (std::abs(b_before_a) < max_offset_m && std::abs(a_before_b) < max_offset_m) ||
-           (b_before_a * a_before_b > 0 && normal_a.dot(normal_b) > kSurfel.min_bend_cosine);
+           (b_before_a * a_before_b > 0 && normal_a.head<3>().dot(normal_b.head<3>()) > kSurfel.min_bend_cosine);
   }
 };
 
@@ -160,10 +190,11 @@ void smooth_normals(SurfelMesh& mesh) {
     const Surfel &a = mesh.surfels[i], &b = mesh.surfels[j];
     if (!a.has_normal || !b.has_normal) return;
     const Eigen::Vector3f b_from_a = b.world - a.world;
-    links.push_back({i, j, b_from_a, max_offset(b_from_a.norm())});
+    links.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), b_from_a, max_offset(b_from_a.norm())});
   });
-  std::vector<Eigen::Vector3f> normal(mesh.surfels.size()), sum;
-  for (std::size_t i = 0; i < normal.size(); ++i) normal[i] = mesh.surfels[i].normal;
+  std::vector<PaddedNormal> normal, sum;
+  normal.reserve(mesh.surfels.size());
+  for (const Surfel& s : mesh.surfels) normal.emplace_back(s.normal.x(), s.normal.y(), s.normal.z(), 0.0F);
   for (int round = 0; round < kSurfel.smoothing_rounds; ++round) {
     sum = normal;
     for (const Link& link : links) {
@@ -171,15 +202,14 @@ void smooth_normals(SurfelMesh& mesh) {
       sum[link.a] += normal[link.b];
       sum[link.b] += normal[link.a];
     }
-    for (std::size_t i = 0; i < sum.size(); ++i) normal[i] = sum[i].normalized();
+    for (std::size_t i = 0; i < sum.size(); ++i) normal[i].head<3>() = sum[i].head<3>().normalized();
   }
-  for (std::size_t i = 0; i < normal.size(); ++i) mesh.surfels[i].normal = normal[i];
+  for (std::size_t i = 0; i < normal.size(); ++i) mesh.surfels[i].normal = normal[i].head<3>();
 }
 
-/// Computes the mean of d d^T over the displacements d that are not much longer than their median.
-Eigen::Matrix2f compute_scatter(std::span<const Eigen::Vector2f> displacements) {
-  std::vector<float> lengths;
-  lengths.reserve(displacements.size());
+/// Computes the mean of d d^T over the displacements d that are not much longer than their median. `lengths` is a buffer.
+Eigen::Matrix2f compute_scatter(std::span<const Eigen::Vector2f> displacements, std::vector<float>& lengths) {
+  lengths.clear();
   for (const Eigen::Vector2f& d : displacements) lengths.push_back(d.norm());
   const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
   std::nth_element(lengths.begin(), middle, lengths.end());
@@ -213,9 +243,10 @@ void set_scatter(SurfelMesh& mesh) {
     const Surfel &a = mesh.surfels[i], &b = mesh.surfels[j];
     displacements[next[i]++] = displacements[next[j]++] = {a.u - b.u, a.v - b.v};
   }
+  std::vector<float> lengths;
   for (std::size_t i = 0; i < mesh.surfels.size(); ++i)
     if (const std::size_t count = first[i + 1] - first[i]; count > 0)
-      mesh.surfels[i].scatter = compute_scatter({&displacements[first[i]], count});
+      mesh.surfels[i].scatter = compute_scatter({&displacements[first[i]], count}, lengths);
 }
 
 }  // namespace

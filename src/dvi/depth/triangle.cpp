@@ -32,9 +32,13 @@ Triangle::Value select_visible(Joint joint, const Triangle::Value& a, const Tria
 
 }  // namespace
 
-Triangle::Triangle(const SurfelMesh& mesh, const std::array<std::size_t, 3>& corners) {
-  for (int k = 0; k < 3; ++k) corners_[k] = &mesh.surfels[corners[k]];
-  std::sort(corners_.begin(), corners_.end(), [](const Surfel* a, const Surfel* b) { return a->inverse > b->inverse; });
+Corners sort_corners(const SurfelMesh& mesh, const std::array<std::size_t, 3>& corners) {
+  Corners out{&mesh.surfels[corners[0]], &mesh.surfels[corners[1]], &mesh.surfels[corners[2]]};
+  std::sort(out.begin(), out.end(), [](const Surfel* a, const Surfel* b) { return a->inverse > b->inverse; });
+  return out;
+}
+
+Triangle::Triangle(const Corners& corners) : corners_(corners) {
   std::array<int, 3> steps{};
   for (int i = 0; i < 3; ++i) {
     const auto [a, b] = kPairs[i];

@@ -8,6 +8,10 @@
 
 namespace dvi::depth {
 
+/// The corners of a triangle, from near to far.
+using Corners = std::array<const Surfel*, 3>;
+Corners sort_corners(const SurfelMesh& mesh, const std::array<std::size_t, 3>& corners);
+
 /// The depth within a triangle of three surfels: of one surface, or of several that intersect or occlude each other.
 class Triangle {
  public:
@@ -17,9 +21,8 @@ class Triangle {
     int corner = 0;     ///< The corner whose surface is visible.
   };
 
-  Triangle(const SurfelMesh& mesh, const std::array<std::size_t, 3>& corners);
+  explicit Triangle(const Corners& corners);
 
-  /// The corners are sorted from near to far.
   const Surfel& corner(int k) const { return *corners_[k]; }
   /// Whether the triangle is wider than the spacing of returns, so that its inside was not scanned.
   bool is_gap() const { return is_gap_; }
@@ -36,9 +39,9 @@ class Triangle {
   Value evaluate_plane(int k, const cv::Point2f& at) const;
   Value split_pair(int a, int b, const cv::Point2f& at, const std::array<float, 3>& w) const;
 
-  std::array<const Surfel*, 3> corners_;  ///< The corners, sorted from near to far.
-  std::array<Joint, 3> joints_{};         ///< The joints of the corners 0-1, 0-2, and 1-2.
-  std::array<float, 3> cuts_{};  ///< The part of each edge, from its nearer corner, that belongs to the nearer surface.
+  Corners corners_;
+  std::array<Joint, 3> joints_{};  ///< The joints of the corners 0-1, 0-2, and 1-2.
+  std::array<float, 3> cuts_{};    ///< The part of each edge, from its nearer corner, that belongs to the nearer surface.
   bool is_one_surface_ = false;
   bool is_gap_ = false;
   int isolated_ = -1;  ///< The corner that is separated from both others by steps; -1: none.

@@ -91,10 +91,11 @@ void exclude_masked(const cv::Mat1b& mask, cv::Mat2f& flow) {
       if (mask(std::min(y * step, mask.rows - 1), std::min(x * step, mask.cols - 1)) != 0) flow(y, x) = {nan, nan};
 }
 
-/// Computes the flow; NaN where the backward flow does not return to the start.
+/// Computes the flow; NaN where the backward flow does not return to the start. The backward flow only selects pixels, so its
+/// cheaper preset suffices.
 cv::Mat2f compute_reliable_flow(const cv::Mat1b& from, const cv::Mat1b& to) {
   cv::Mat2f flow = compute_optical_flow(from, to);
-  const cv::Mat2f back = compute_optical_flow(to, from);
+  const cv::Mat2f back = compute_optical_flow(to, from, FlowPreset::fast);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (int y = 0; y < flow.rows; ++y)
     for (int x = 0; x < flow.cols; ++x) {

@@ -27,10 +27,17 @@ float fast_atan2(float y, float x) {
   return y < 0 ? -angle : angle;
 }
 
+// Rounds as std::lround() does, without its call: the sum is exact. Returns 0 for numbers that are not finite.
+int round_to_int(float value) {
+  const double x = value;
+  if (!(std::abs(x) < 1e9)) return 0;
+  return static_cast<int>(x < 0 ? x - 0.5 : x + 0.5);
+}
+
 float compute_elevation(const Eigen::Vector3f& p) { return fast_atan2(p.z(), std::sqrt(p.x() * p.x() + p.y() * p.y())); }
 
 int find_column(const Eigen::Vector3f& p) {
-  const int column = static_cast<int>(std::lround((fast_atan2(p.y(), p.x()) + kPi) / kCellRad));
+  const int column = round_to_int((fast_atan2(p.y(), p.x()) + kPi) / kCellRad);
   return column < kColumns ? column : 0;
 }
 
@@ -61,16 +68,17 @@ FreeSpace::FreeSpace(const Scan& scan, const ScanHeader& header, const Trajector
   low_ = kPi;
   for (const Eigen::Vector3f& p : scan.points)
     if (is_return(p)) {
-      low_ = std::min(low_, compute_elevation(p));
-      high_ = std::max(high_, compute_elevation(p));
+      const float elevation = compute_elevation(p);
+      low_ = std::min(low_, elevation);
+      high_ = std::max(high_, elevation);
     }
   if (low_ > high_) return;
   place(scan, header, world_from_lidar);
   if (!valid()) return;
-  cv::Mat1f nearest(static_cast<int>(std::lround((high_ - low_) / kCellRad)) + 1, kColumns, kNoReturnM);
+  cv::Mat1f nearest(round_to_int((high_ - low_) / kCellRad) + 1, kColumns, kNoReturnM);
   for (const Eigen::Vector3f& p : scan.points)
     if (is_return(p)) {
-      float& cell = nearest(static_cast<int>(std::lround((compute_elevation(p) - low_) / kCellRad)), find_column(p));
+      float& cell = nearest(round_to_int((compute_elevation(p) - low_) / kCellRad), find_column(p));
       cell = std::min(cell, p.norm());
     }
   erode(nearest);
@@ -133,7 +141,7 @@ FreeSpace::Seen FreeSpace::judge(const Eigen::Vector3d& world, double radius_m) 
   if (range > kMaxRangeM) return Seen::unknown;
   const float reach = static_cast<float>(pose_error_ + radius_m) / (range * kCellRad);
   const auto window = std::find_if(kWindows.begin(), kWindows.end(), [&](int w) { return static_cast<float>(w) >= reach; });
-  const int row = static_cast<int>(std::lround((compute_elevation(p) - low_) / kCellRad));
+  const int row = round_to_int((compute_elevation(p) - low_) / kCellRad);
   if (window == kWindows.end() || row < 0 || row >= nearest_[0].rows) return Seen::unknown;
   const auto level = static_cast<std::size_t>(window - kWindows.begin());
   const int column = find_column(p) + kPaddingColumns;

@@ -24,6 +24,11 @@ struct ColorRange {
     }
     return out;
   }
+  bool contains(const ColorRange& other) const {
+    bool all = true;
+    for (int c = 0; c < 3; ++c) all &= low[c] <= other.low[c] && other.high[c] <= high[c];
+    return all;
+  }
 };
 
 }  // namespace dvi

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "dvi/core/random.h"
 #include "dvi/image/interpolate.h"
@@ -111,6 +112,41 @@ TEST(Grown, EnlargesAndShrinksByItsRadius) {
 TEST(Grown, IgnoresTheBorderOfTheImage) {
   const cv::Mat1b full(6, 8, uchar{255});
   EXPECT_TRUE(equal(grown(full, -2), full));
+}
+
+TEST(Grown, IsThatOfTheWholeImage) {
+  for (const cv::Rect& hole : {cv::Rect(30, 20, 9, 14), cv::Rect(0, 0, 5, 30), cv::Rect(85, 60, 15, 10), cv::Rect()}) {
+    cv::Mat1b mask(70, 100, uchar{0});
+    for (int y = hole.y; y < hole.br().y; ++y)
+      for (int x = hole.x; x < hole.br().x; ++x) mask(y, x) = (x * 7 + y * 5) % 3 == 0 ? 0 : 255;
+    for (const int radius : {1, 3, 11}) {
+      const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1});
+      cv::Mat1b larger, smaller;
+      cv::dilate(mask, larger, disc);
+      cv::erode(mask, smaller, disc);
+      EXPECT_TRUE(equal(grown(mask, radius), larger));
+      EXPECT_TRUE(equal(grown(mask, -radius), smaller));
+      cv::Mat1f outside, inside;
+      cv::distanceTransform(cv::Mat1b(mask == 0), outside, cv::DIST_L2, cv::DIST_MASK_5);
+      cv::distanceTransform(mask, inside, cv::DIST_L2, cv::DIST_MASK_5);
+      EXPECT_TRUE(equal(grown_far(mask, radius), cv::Mat1b(outside <= radius)));
+      EXPECT_TRUE(equal(grown_far(mask, -radius), cv::Mat1b(inside > radius)));
+    }
+  }
+}
+
+TEST(PartBoxes, AreInTheOrderOfTheWholeImage) {
+  cv::Mat1b mask(90, 130, uchar{0});
+  for (const cv::Rect& part : {cv::Rect(41, 31, 3, 2), cv::Rect(50, 30, 4, 9), cv::Rect(33, 33, 2, 2), cv::Rect(60, 40, 1, 1)})
+    mask(part) = 255;
+  cv::Mat1i labels, boxes;
+  cv::Mat1d centers;
+  const int count = cv::connectedComponentsWithStats(mask, labels, boxes, centers, 8, CV_32S);
+  std::vector<cv::Rect> expected;
+  for (int i = 1; i < count; ++i) expected.push_back(box_of_part(boxes, i));
+  EXPECT_EQ(find_part_boxes(mask), expected);
+  EXPECT_EQ(expected.size(), 4U);
+  EXPECT_TRUE(find_part_boxes(cv::Mat1b(9, 9, uchar{0})).empty());
 }
 
 TEST(ConnectedParts, AreNotConnectedDiagonally) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 
 namespace dvi::map {
 namespace {
@@ -42,40 +44,53 @@ bool is_outside(const Eigen::AlignedBox3f& bounds, const View& view) {
   return std::find(beyond.begin(), beyond.end(), 8) != beyond.end();
 }
 
-/// The nearest point of each pixel, as an index in `points`; -1 if there is none.
-struct ZBuffer {
-  explicit ZBuffer(const Camera& camera) : index(camera.height, camera.width, -1), z(camera.height, camera.width, 1e9F) {}
+/// The nearest point of a pixel.
+struct NearestPoint {
+  static constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
-  void add(const VisiblePoint& point) {
+  float z = 1e9F, u = 0, v = 0;
+  std::uint32_t index = kNone;  ///< In StaticMap::points.
+};
+
+/// The nearest points of all pixels, in raster order.
+struct ZBuffer {
+  explicit ZBuffer(const Camera& camera)
+      : width(camera.width),
+        height(camera.height),
+        nearest(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height)) {}
+
+  void add(const NearestPoint& point) {
     const int x = cvRound(point.u), y = cvRound(point.v);
-    if (x < 0 || y < 0 || x >= z.cols || y >= z.rows || point.z >= z(y, x)) return;
-    z(y, x) = point.z;
-    index(y, x) = static_cast<int>(points.size());
-    points.push_back(point);
+    if (x < 0 || y < 0 || x >= width || y >= height) return;
+    NearestPoint& pixel = nearest[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+    if (point.z < pixel.z) pixel = point;
+  }
+  const NearestPoint* row(int y) const {
+    return nearest.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
   }
 
-  std::vector<VisiblePoint> points;  ///< includes some hidden points
-  cv::Mat1i index;
-  cv::Mat1f z;
+  int width, height;
+  std::vector<NearestPoint> nearest;
 };
 
 ZBuffer project(const StaticMap& map, const View& view) {
-  ZBuffer nearest(view.camera);
+  ZBuffer buffer(view.camera);
   const double far = compute_far_plane_m(view.camera);
   const Eigen::Vector3f eye = view.camera_from_world.inverse().t.cast<float>();
+  const bool is_distorted = view.camera.is_distorted();  // otherwise, all points beyond the near plane are in front
   for (const StaticMap::Tile& tile : map.tiles) {
     if (is_beyond(tile.bounds, eye, view.camera) || is_outside(tile.bounds, view)) continue;
     for (std::size_t i = tile.first; i < tile.last; ++i) {
       if (!map.points[i].is_present_in(static_cast<std::size_t>(view.drive))) continue;
-      const Eigen::Vector3f& world = map.points[i].position;
-      const Eigen::Vector3d p = view.camera_from_world * world.cast<double>();
-      if (p.z() < kNearPlaneM || p.z() > far || !view.camera.in_front(p)) continue;
+      const Eigen::Vector3d p = view.camera_from_world * map.points[i].position.cast<double>();
+      if (p.z() < kNearPlaneM || p.z() > far || (is_distorted && !view.camera.in_front(p))) continue;
       const Eigen::Vector2d pixel = view.camera.project(p);
       const float u = static_cast<float>(pixel.x()), v = static_cast<float>(pixel.y());
-      if (std::abs(u) < 1e6F && std::abs(v) < 1e6F) nearest.add({u, v, static_cast<float>(p.z()), world, i});
+      if (std::abs(u) < 1e6F && std::abs(v) < 1e6F)
+        buffer.add({static_cast<float>(p.z()), u, v, static_cast<std::uint32_t>(i)});
     }
   }
-  return nearest;
+  return buffer;
 }
 
 // Half the width of the rows of a disc, by its radius and their distance from its center.
@@ -88,13 +103,15 @@ std::array<Disc, kMaxSplatPx + 1> make_discs() {
 }
 
 /// Renders the depth of the nearest disc at each pixel.
-cv::Mat1f render_occluders(const ZBuffer& nearest, double splat_px_at_1m) {
+cv::Mat1f render_occluders(const ZBuffer& buffer, double splat_px_at_1m) {
   const std::array<Disc, kMaxSplatPx + 1> half_width = make_discs();
-  cv::Mat1f z = nearest.z.clone();
-  for (int y = 0; y < z.rows; ++y)
+  cv::Mat1f z(buffer.height, buffer.width);
+  std::transform(buffer.nearest.begin(), buffer.nearest.end(), z.begin(), [](const NearestPoint& point) { return point.z; });
+  for (int y = 0; y < z.rows; ++y) {
+    const NearestPoint* points = buffer.row(y);
     for (int x = 0; x < z.cols; ++x) {
-      if (nearest.index(y, x) < 0) continue;
-      const float depth = nearest.z(y, x);
+      if (points[x].index == NearestPoint::kNone) continue;
+      const float depth = points[x].z;
       const int r = std::min(kMaxSplatPx, cvRound(splat_px_at_1m / depth));
       if (r == 0) continue;
       for (int dy = -std::min(r, y); dy <= std::min(r, z.rows - 1 - y); ++dy) {
@@ -103,20 +120,28 @@ cv::Mat1f render_occluders(const ZBuffer& nearest, double splat_px_at_1m) {
         for (int xx = std::max(0, x - half); xx <= last; ++xx) row[xx] = std::min(row[xx], depth);
       }
     }
+  }
   return z;
 }
 
 }  // namespace
 
 std::vector<VisiblePoint> find_visible_points(const StaticMap& map, const View& view, double splat_m, double tolerance) {
-  const ZBuffer nearest = project(map, view);
-  map.page_out();
-  const cv::Mat1f occluder = render_occluders(nearest, splat_m * view.camera.fx);
+  const ZBuffer buffer = project(map, view);
+  const cv::Mat1f occluder = render_occluders(buffer, splat_m * view.camera.fx);
+  const auto count = std::count_if(buffer.nearest.begin(), buffer.nearest.end(),
+                                   [](const NearestPoint& point) { return point.index != NearestPoint::kNone; });
   std::vector<VisiblePoint> visible;
-  for (int y = 0; y < occluder.rows; ++y)
-    for (int x = 0; x < occluder.cols; ++x)
-      if (nearest.index(y, x) >= 0 && nearest.z(y, x) <= occluder(y, x) * (1 + tolerance))
-        visible.push_back(nearest.points[nearest.index(y, x)]);
+  visible.reserve(static_cast<std::size_t>(count));
+  for (int y = 0; y < occluder.rows; ++y) {
+    const NearestPoint* points = buffer.row(y);
+    for (int x = 0; x < occluder.cols; ++x) {
+      const auto& [z, u, v, index] = points[x];
+      if (index != NearestPoint::kNone && z <= occluder(y, x) * (1 + tolerance))
+        visible.push_back({u, v, z, map.points[index].position, index});
+    }
+  }
+  map.page_out();
   return visible;
 }
 

@@ -8,6 +8,7 @@
 
 #include "dvi/core/lazy.h"
 #include "dvi/core/threads.h"
+#include "dvi/image/enlarge.h"
 #include "dvi/image/gray.h"
 #include "dvi/image/optical_flow.h"
 #include "dvi/media/image_file.h"
@@ -52,6 +53,11 @@ std::size_t count_overshoots(const cv::Mat1b& gray, const cv::Mat1b& mask, const
       count += mask(y, x) != 0 && is_outside && std::abs(value - median(y, x)) > kArtifact.min_outlier ? 1 : 0;
     }
   return count;
+}
+
+/// The part of a frame that is compared: the hole, its boundary, and a margin for the optical flow.
+cv::Rect find_compared_part(const cv::Mat1b& mask) {
+  return enlarge(cv::boundingRect(mask), kArtifact.boundary_px + kArtifact.flow_margin_px, mask.size());
 }
 
 /// Warps another frame to this one by optical flow.
@@ -111,17 +117,18 @@ Artifacts count_artifacts(const fs::path& out, const std::vector<std::string>& n
   std::vector<Artifacts> found(names.size());
   parallel_in_order(names.size(), [&](std::size_t i) {
     tick();
-    const auto now = gray[i];
-    const cv::Mat1b mask = read_mask(i, now->size());
+    const auto whole = gray[i];
+    const cv::Mat1b whole_mask = read_mask(i, whole->size());
     Artifacts& counts = found[i];
-    counts.hole = count_pixels(mask);
+    counts.hole = count_pixels(whole_mask);
     if (counts.hole == 0) return;
-    const cv::Mat1b boundary = find_boundary(mask);
-    counts.overshoots = count_overshoots(*now, mask, boundary);
-    if (i == 0 || i + 1 == names.size() || std::min(now->rows, now->cols) < kMinFlowSidePx) return;
+    const cv::Rect part = find_compared_part(whole_mask);
+    const cv::Mat1b now = (*whole)(part).clone(), mask = whole_mask(part).clone(), boundary = find_boundary(mask);
+    counts.overshoots = count_overshoots(now, mask, boundary);
+    if (i == 0 || i + 1 == names.size() || std::min(part.width, part.height) < kMinFlowSidePx) return;
     const auto before = gray[i - 1], after = gray[i + 1];
-    if (before->size() != now->size() || after->size() != now->size()) return;
-    const cv::Mat1b flashing = find_flashes(*now, *before, *after);
+    if (before->size() != whole->size() || after->size() != whole->size()) return;
+    const cv::Mat1b flashing = find_flashes(now, (*before)(part).clone(), (*after)(part).clone());
     counts.hole_between = counts.hole, counts.ring_between = count_pixels(boundary);
     counts.flashes = count_pixels(cv::Mat1b(flashing & mask)),
     counts.ring_flashes = count_pixels(cv::Mat1b(flashing & boundary));

@@ -13,6 +13,7 @@ namespace dvi::metrics {
 /// Parameters of the artifact counts.
 struct ArtifactParams {
   int boundary_px = 40;          ///< width of the boundary
+  int flow_margin_px = 64;       ///< around the boundary, where optical flow is computed
   int min_flash = 40;            ///< gray levels from both neighboring frames
   int max_neighbor_change = 20;  ///< gray levels between the neighboring frames
   double tail_share = 0.01;      ///< share of the boundary's pixels outside its range, at each end

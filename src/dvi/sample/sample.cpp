@@ -146,15 +146,18 @@ Region select_known_pixels(const cv::Mat1b& mask) {
 
 /// Finds, for each of the pixels, the index of the nearest hole pixel that has a candidate; the size of the hole if none has.
 std::vector<std::size_t> find_nearest_copied(const Candidates& hole, const Region& pixels) {
-  cv::Mat1b copied(hole.hole.index.size(), uchar{0});
+  if (pixels.size() == 0) return {};
+  cv::Mat1b copied(hole.hole.index.size(), uchar{0}), used(copied.size(), uchar{0});
   for (std::size_t i = 0; i < hole.leading.size(); ++i)
-    if (hole.leading[i].found()) copied(hole.hole.pixels[i]) = 255;
-  const NearestPixel nearest(copied);
+    if (hole.leading[i].found()) copied(hole.hole.pixels[i]) = used(hole.hole.pixels[i]) = 255;
+  for (const cv::Point p : pixels.pixels) used(p) = 255;
+  const cv::Rect box = cv::boundingRect(used);  // pixels outside it cannot be nearer
+  const NearestPixel nearest(copied(box));
   std::vector<std::size_t> out;
   out.reserve(pixels.size());
   for (const cv::Point p : pixels.pixels) {
-    const std::optional<cv::Point> found = nearest.find(p);
-    out.push_back(found ? static_cast<std::size_t>(hole.hole.index(*found)) : hole.hole.size());
+    const std::optional<cv::Point> found = nearest.find(p - box.tl());
+    out.push_back(found ? static_cast<std::size_t>(hole.hole.index(*found + box.tl())) : hole.hole.size());
   }
   return out;
 }

@@ -7,6 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/image/enlarge.h"
 #include "dvi/image/neighbors.h"
 #include "dvi/image/poisson.h"
 #include "dvi/image/region.h"
@@ -23,20 +24,22 @@ struct BoundaryParams {
 };
 constexpr BoundaryParams kBoundary;
 
-/// The mean color of the pixels of a mask over a square around each pixel.
+/// The mean color of the pixels of a mask over a square around each pixel of a box.
 struct MaskedMean {
-  MaskedMean(const cv::Mat3f& color, const cv::Mat1b& mask) {
-    cv::Mat3f masked(color.size(), cv::Vec3f());
-    color.copyTo(masked, mask);
+  MaskedMean(const cv::Mat3f& color, const cv::Mat1b& mask, const cv::Rect& pixels)
+      : near(enlarge(pixels, kBoundary.side_px, mask.size())) {
+    cv::Mat3f masked(near.size(), cv::Vec3f());
+    color(near).copyTo(masked, mask(near));
     const cv::Size side(kBoundary.side_px, kBoundary.side_px);
     cv::boxFilter(masked, mean, CV_32F, side);
-    cv::Mat1f ones(mask.size(), 0.0F);
-    ones.setTo(1, mask);
+    cv::Mat1f ones(near.size(), 0.0F);
+    ones.setTo(1, mask(near));
     cv::boxFilter(ones, share, CV_32F, side);
   }
-  cv::Vec3f at(cv::Point p) const { return mean(p) / share(p); }
-  bool has(cv::Point p) const { return share(p) > 1e-3F; }
+  cv::Vec3f at(cv::Point p) const { return mean(p - near.tl()) / share(p - near.tl()); }
+  bool has(cv::Point p) const { return share(p - near.tl()) > 1e-3F; }
 
+  cv::Rect near;  ///< The part of the image that the matrices below cover.
   cv::Mat3f mean;
   cv::Mat1f share;
 };
@@ -47,8 +50,11 @@ struct BoundarySteps {
 
   /// Adds those at the inner pixels of a group.
   void add(const cv::Mat3f& color, const cv::Mat1b& inner, const cv::Mat1b& group) {
-    const MaskedMean inside(color, cv::Mat1b(inner & group)), outside(color, cv::Mat1b(~inner & group));
-    for (const cv::Point p : Region(cv::Mat1b(inner & group)).pixels) {
+    const cv::Mat1b inner_group(inner & group);
+    const cv::Rect box = cv::boundingRect(inner_group);
+    if (box.empty()) return;
+    const MaskedMean inside(color, inner_group, box), outside(color, cv::Mat1b(~inner & group), box);
+    for (const cv::Point p : Region(inner_group).pixels) {
       if (!inside.has(p) || !outside.has(p)) continue;
       const cv::Vec3f difference = outside.at(p) - inside.at(p);
       const float size = static_cast<float>(cv::norm(difference)) / kBoundary.edge_levels;

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <vector>
 
+#include <opencv2/core.hpp>
 #include <opencv2/core/hal/intrin.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -56,6 +58,11 @@ cv::v_float32x4 load(const cv::Mat4f& image, cv::Point2f at) {
   return cv::v_muladd(lower - upper, v, upper);
 }
 
+/// Loads the color of the pixel of an exemplar that corresponds to an offset in the patch.
+cv::v_float32x4 load_color(const cv::Mat4f& image, cv::Point source, const PatchWarp& warp, cv::Point offset) {
+  return warp.is_identity() ? cv::v_load(image(source + offset).val) : load(image, position_of(source, warp, offset));
+}
+
 }  // namespace
 
 ExemplarSearch::ExemplarSearch(ExemplarLevel& level, Random& random)
@@ -63,6 +70,7 @@ ExemplarSearch::ExemplarSearch(ExemplarLevel& level, Random& random)
   cv::Mat1f weight(level.size(), kExemplar.known_weight);
   weight.setTo(1, level.unknown);
   weight_ = box_sum(weight);
+  cv::merge(std::vector<cv::Mat>(4, weight), pixel_weight_);
   cv::boxFilter(level.color, mean_, CV_32F, cv::Size(kSide, kSide));
   for (int y = 0; y < level.size().height; ++y)
     for (int x = 0; x < level.size().width; ++x)
@@ -124,7 +132,8 @@ void ExemplarSearch::vote(int radius_px) {
       for (int x = -radius_px; x <= radius_px; ++x) {
         const cv::Point q = p + cv::Point(x, y);
         if (!is_inside(q) || level_.unknown(q) == 0) continue;
-        sum(q) += weight * color_of(match.at, warp, {x, y});
+        const cv::v_float32x4 color = load_color(level_.color, match.at, warp, {x, y});
+        cv::v_store(sum(q).val, cv::v_load(sum(q).val) + cv::v_setall_f32(weight) * color);
         weights(q) += weight;
       }
   }
@@ -143,13 +152,6 @@ PatchWarp ExemplarSearch::warp_of(cv::Point target, cv::Point source) const {
   const PatchWarp out{(s[3] * t[0] - s[2] * t[1]) / det, (s[3] * t[2] - s[2] * t[3]) / det, (s[0] * t[1] - s[1] * t[0]) / det,
                       (s[0] * t[3] - s[1] * t[2]) / det};
   return out.extent() < 2 * kExemplar.max_scale ? out : PatchWarp{};
-}
-
-cv::Vec4f ExemplarSearch::color_of(cv::Point source, const PatchWarp& warp, cv::Point offset) const {
-  if (warp.is_identity()) return level_.color(source + offset);
-  cv::Vec4f out;
-  cv::v_store(out.val, load(level_.color, position_of(source, warp, offset)));
-  return out;
 }
 
 void ExemplarSearch::try_match(std::size_t i, cv::Point source) {
@@ -237,29 +239,34 @@ float ExemplarSearch::cost_of(cv::Point target, cv::Point source, float limit) c
   if (prior >= limit) return kInfinite;
   const int y0 = std::max(-kR, -target.y), y1 = std::min(kR, level_.size().height - 1 - target.y),
             x0 = std::max(-kR, -target.x), x1 = std::min(kR, level_.size().width - 1 - target.x);
+  const int columns = x1 - x0 + 1;
+  const auto width = static_cast<std::size_t>(columns);
   const float most = weight_(target) * (limit - prior);
   const bool identity = warp.is_identity();
   constexpr float kOtherGroup = kExemplar.group_levels * kExemplar.group_levels;
   float sum = 0;
   for (int y = y0; y <= y1; ++y) {
-    const cv::Vec4f* row = level_.color[target.y + y] + target.x;
-    const uchar *unknown = level_.unknown[target.y + y] + target.x, *group = level_.group[target.y + y] + target.x;
+    const cv::Vec4f *row = level_.color[target.y + y] + target.x, *weight = pixel_weight_[target.y + y] + target.x;
+    const uchar* group = level_.group[target.y + y] + target.x;
     cv::v_float32x4 squares = cv::v_setzero_f32();
     float groups = 0;
-    const auto compare = [&](int x, const cv::v_float32x4& other, uchar other_group) {
+    const auto compare = [&](int x, const cv::v_float32x4& other) {
       const cv::v_float32x4 difference = cv::v_load(row[x].val) - other;
-      const float weight = unknown[x] != 0 ? 1 : kExemplar.known_weight;
-      squares = cv::v_muladd(difference * difference, cv::v_setall_f32(weight), squares);
-      if (group[x] != other_group) groups += weight * kOtherGroup;
+      squares = cv::v_muladd(difference * difference, cv::v_load(weight[x].val), squares);
     };
     if (identity) {
       const cv::Vec4f* other = level_.color[source.y + y] + source.x;
       const uchar* other_group = level_.group[source.y + y] + source.x;
-      for (int x = x0; x <= x1; ++x) compare(x, cv::v_load(other[x].val), other_group[x]);
+      for (int x = x0; x <= x1; ++x) compare(x, cv::v_load(other[x].val));
+      if (std::memcmp(group + x0, other_group + x0, width) != 0)
+        for (int x = x0; x <= x1; ++x)
+          if (group[x] != other_group[x]) groups += weight[x][0] * kOtherGroup;
     } else {
       for (int x = x0; x <= x1; ++x) {
         const cv::Point2f q = position_of(source, warp, {x, y});
-        compare(x, load(level_.color, q), level_.group(static_cast<int>(q.y + 0.5F), static_cast<int>(q.x + 0.5F)));
+        compare(x, load(level_.color, q));
+        if (group[x] != level_.group(static_cast<int>(q.y + 0.5F), static_cast<int>(q.x + 0.5F)))
+          groups += weight[x][0] * kOtherGroup;
       }
     }
     sum += cv::v_reduce_sum(squares) / 3 + groups;

@@ -56,7 +56,6 @@ class ExemplarSearch {
   static Region find_targets(const ExemplarLevel& level);
   bool is_inside(cv::Point p) const { return cv::Rect({}, level_.size()).contains(p); }
   PatchWarp warp_of(cv::Point target, cv::Point source) const;
-  cv::Vec4f color_of(cv::Point source, const PatchWarp& warp, cv::Point offset) const;
 
   void try_match(std::size_t i, cv::Point source);
   void try_random(std::size_t i);
@@ -77,6 +76,7 @@ class ExemplarSearch {
   cv::Mat1f usage_;                                  // how often a pixel is used, relative to the mean, minus 1
   cv::Mat4f mean_;                                   // mean color of the pixels of each patch
   cv::Mat1f weight_;                                 // sum of the weights of the pixels of each patch
+  cv::Mat4f pixel_weight_;                           // weight of each pixel, four times
 };
 
 }  // namespace dvi::synthesize

@@ -12,6 +12,7 @@
 #include "dvi/drive/sensor.h"
 #include "dvi/geometry/se3.h"
 #include "dvi/harmonize/surface_class.h"
+#include "dvi/image/enlarge.h"
 #include "dvi/image/region.h"
 
 namespace dvi::synthesize {
@@ -110,12 +111,14 @@ SurfaceGuide guide_by_surfaces(const ClassifiedFrame& frame, const View& view, c
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   SurfaceGuide out{cv::Mat1b(size, uchar{0}), cv::Mat2f(size, cv::Vec2f::all(kNan))};
   const std::vector<cv::Point> pixels = Region(where).pixels;
+  if (pixels.empty()) return out;
   for (const cv::Point p : pixels) out.group(p) = static_cast<uchar>(surfaces.group_of(p));
-  cv::Mat1b level(out.group == static_cast<uchar>(Group::ground));
+  const cv::Rect box = enlarge(cv::boundingRect(where), kSurfaceGuide.median_px, size);
+  cv::Mat1b level(out.group(box) == static_cast<uchar>(Group::ground));
   cv::medianBlur(level, level, kSurfaceGuide.median_px);
   for (const cv::Point p : pixels) {
     if (kind(p) >= static_cast<uchar>(Kind::interpolated))
-      out.group(p) = static_cast<uchar>(level(p) != 0 ? Group::ground : Group::upright);
+      out.group(p) = static_cast<uchar>(level(p - box.tl()) != 0 ? Group::ground : Group::upright);
     if (out.group(p) == static_cast<uchar>(Group::ground)) out.ground(p) = surfaces.ground_of(p);
   }
   return out;

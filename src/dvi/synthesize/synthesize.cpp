@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstddef>
 #include <initializer_list>
+#include <limits>
 
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/image/blur.h"
 #include "dvi/image/color_range.h"
+#include "dvi/image/enlarge.h"
 #include "dvi/image/neighbors.h"
 #include "dvi/image/poisson.h"
 #include "dvi/image/region.h"
@@ -62,12 +64,13 @@ double confidence_of_synthesis(float distance_px, float contrast) {
 
 /// Writes the probability of each pixel of a region that it is within 10 gray levels of the truth.
 void write_confidence(const Region& region, harmonize::FilledFrame& out) {
+  const cv::Mat1b unobserved(out.kind >= static_cast<uchar>(Kind::interpolated));
+  const cv::Rect box = enlarge(cv::boundingRect(unobserved), 1, unobserved.size());
   cv::Mat1f distance;
-  cv::distanceTransform(cv::Mat1b(out.kind >= static_cast<uchar>(Kind::interpolated)), distance, cv::DIST_L2,
-                        cv::DIST_MASK_PRECISE);
+  cv::distanceTransform(unobserved(box), distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
   const cv::Mat1f contrast = measure_fine_contrast(out.color);
   for (const cv::Point p : region.pixels)
-    out.confidence(p) = static_cast<uchar>(std::lround(255 * confidence_of_synthesis(distance(p), contrast(p))));
+    out.confidence(p) = static_cast<uchar>(std::lround(255 * confidence_of_synthesis(distance(p - box.tl()), contrast(p))));
 }
 
 /// Finds copies between unobserved pixels that are narrow or small: their depth is often wrong, and they look like dirt.
@@ -121,19 +124,17 @@ void complete_parts(const std::vector<UnknownPart>& parts, const cv::Mat1b& usab
   for (std::size_t i = 0; i < parts.size(); ++i) completed[i].copyTo(color(parts[i].box), parts[i].unknown);
 }
 
-/// Limits colors to those of the original pixels of the frame, because gains are wrong in black and in white frames.
+/// Limits colors to those of the original pixels of the frame, because gains are wrong in black and in white frames. Pixels are
+/// read until their range contains all colors of the region.
 void limit_to_original(const Region& region, harmonize::FilledFrame& frame) {
-  const cv::Mat1b original(frame.kind == static_cast<uchar>(Kind::original));
-  if (cv::countNonZero(original) == 0) return;
-  ColorRange range;
-  for (int c = 0; c < 3; ++c) {
-    cv::Mat1f channel;
-    cv::extractChannel(frame.color, channel, c);
-    double low = 0, high = 0;
-    cv::minMaxLoc(channel, &low, &high, nullptr, nullptr, original);
-    range.low[c] = static_cast<float>(low);
-    range.high[c] = static_cast<float>(high);
-  }
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const ColorRange none{cv::Vec3f::all(kInfinity), cv::Vec3f::all(-kInfinity)};
+  ColorRange wanted = none, range = none;
+  for (const cv::Point p : region.pixels) wanted = wanted.with(frame.color(p));
+  for (int y = 0; y < frame.kind.rows && !range.contains(wanted); ++y)
+    for (int x = 0; x < frame.kind.cols; ++x)
+      if (frame.kind(y, x) == static_cast<uchar>(Kind::original)) range = range.with(frame.color(y, x));
+  if (range.low[0] > range.high[0]) return;  // no original pixels
   for (const cv::Point p : region.pixels) frame.color(p) = range.clamp(frame.color(p));
 }
 
