@@ -12,7 +12,6 @@
 #include "dvi/core/error.h"
 #include "dvi/geometry/camera.h"
 #include "dvi/media/numpy_file.h"
-#include "dvi/media/stored_png.h"
 
 namespace dvi::media {
 namespace {
@@ -81,9 +80,7 @@ std::optional<cv::Size> read_stated_size(const fs::path& path, const std::string
 cv::Mat decode(const fs::path& path, const std::string& bytes, int mode) {
   if (!read_stated_size(path, bytes) || !is_complete(bytes)) return {};
   try {
-    const std::optional<std::string> stored = is_png(bytes) ? store_png(bytes) : std::nullopt;
-    const std::string& file = stored ? *stored : bytes;
-    const cv::Mat1b buffer(1, static_cast<int>(file.size()), reinterpret_cast<uchar*>(const_cast<char*>(file.data())));
+    const cv::Mat1b buffer(1, static_cast<int>(bytes.size()), reinterpret_cast<uchar*>(const_cast<char*>(bytes.data())));
     return cv::imdecode(buffer, mode);
   } catch (const cv::Exception& e) {
     throw InputError(path, "cannot be decoded (" + e.err + ")", kRemedy);
