@@ -96,7 +96,7 @@ Depths::Depths(const Views& views, const std::function<DepthMap(std::size_t)>& m
                   if (returns.empty()) return make_visibility_map(depth, *mask);
                   return make_visibility_map(depth, cv::Mat1b(*mask | find_occluders(depth, *returns[i])));
                 }};
-  // A target is also a source frame of its neighbors and of itself. So its visibility map is made of the same depth map.
+  // The visibility map of a target is needed, too: it is made first, from the same depth map.
   make_map = [make, packed_depths, visibility = visibility, masks = views.masks](std::size_t i) {
     packed_depths->expect(i);
     visibility[i];

@@ -15,7 +15,7 @@ namespace {
 /// progress (docs/scale.md).
 struct MemoryPlanParams {
   int program_mb = 150;                    ///< Code, libraries, and the heap's fragmentation.
-  std::size_t frame_bytes_per_pixel = 70;  ///< Of a frame while it is filled, smoothed, and written.
+  std::size_t frame_bytes_per_pixel = 90;  ///< Of a frame while it is filled, smoothed, and written.
   std::size_t least_bytes_per_pixel = 20;  ///< Of the caches and the map, so that the images in use fit.
 };
 constexpr MemoryPlanParams kMemoryPlan;

@@ -79,7 +79,7 @@ double to_ppm(std::size_t count, std::size_t of) {
 
 std::size_t count_pixels(const cv::Mat1b& mask) { return static_cast<std::size_t>(cv::countNonZero(mask)); }
 
-constexpr std::size_t kArtifactBytesPerPixel = 40;  // of a frame while its artifacts are counted
+constexpr std::size_t kArtifactBytesPerPixel = 40;  // memory of a frame while its artifacts are counted
 
 }  // namespace
 

@@ -18,7 +18,7 @@
 namespace dvi::metrics {
 namespace {
 
-constexpr std::size_t kLookBytesPerPixel = 40;  // of a frame while it is measured
+constexpr std::size_t kLookBytesPerPixel = 40;  // memory of a frame while it is measured
 
 using harmonize::Kind;
 

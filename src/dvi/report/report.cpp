@@ -30,7 +30,7 @@ using nlohmann::json;
 constexpr const char* kIndexSchema = "dvi-page/1";
 constexpr std::array<const char*, 4> kFolders{"report", "report/before", "report/truth", "report/sources"};
 constexpr int kJpegQuality = 85;
-constexpr std::size_t kReportBytesPerPixel = 40;  // of a frame while its entry is written
+constexpr std::size_t kReportBytesPerPixel = 40;  // memory of a frame while its entry is written
 
 std::string make_path(const char* folder, std::size_t number, const char* ending) {
   return fmt::format("report/{}{:06d}{}", folder, number, ending);

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kSheetRows = 8;
 constexpr int kCellWidthPx = 480;
-constexpr std::size_t kVideoBytesPerPixel = 14;  // of a frame while the videos are written
+constexpr std::size_t kVideoBytesPerPixel = 14;  // memory of a frame while the videos are written
 
 /// Returns "NAME  copied 22 %  interpolated 78 %".
 std::string caption_of(const cv::Mat1b& kind, const std::string& name) {
