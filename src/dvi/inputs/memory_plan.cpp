@@ -1,5 +1,7 @@
 #include "dvi/inputs/memory_plan.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -17,6 +19,9 @@ struct MemoryPlanParams {
   int program_mb = 150;                    ///< Code, libraries, and the heap's fragmentation.
   std::size_t frame_bytes_per_pixel = 90;  ///< Of a frame while it is filled, smoothed, and written.
   std::size_t least_bytes_per_pixel = 20;  ///< Of the caches and the map, so that the images in use fit.
+  /// Size from which on the heap returns freed blocks to the system. By default it grows to 32 MB, so that each thread keeps
+  /// several images of memory.
+  int mapped_block_bytes = 1 << 20;
 };
 constexpr MemoryPlanParams kMemoryPlan;
 
@@ -45,6 +50,7 @@ std::optional<std::string> bound_memory(int memory_mb, cv::Size image) {
   Scratch::of_process()->set_bound(plan.map_bytes);
   CacheBudget::of_process()->set_bound(plan.cache_bytes);
   WorkMemory::of_process()->set_bound(plan.work_bytes);
+  mallopt(M_MMAP_THRESHOLD, kMemoryPlan.mapped_block_bytes);
   if (memory_mb >= plan.needed_mb) return std::nullopt;
   return fmt::format(
       "images of {}x{} px need {} MB to fill one frame at a time, but job.memory_mb is {}: the run may exceed it; set it to at "
