@@ -97,6 +97,10 @@ class Chain {
   std::vector<PairModel> fit_models_of(std::size_t i, const Poses& poses, std::size_t coarsest, const Tick& tick) const;
   std::vector<map::VisiblePoint> select_textured(const UnmaskedPoints& sight, const View& view, const cv::Mat1f& texture) const;
   const View& view(std::size_t i) const { return views_[members_[i]]; }
+  std::size_t bytes_per_view() const {
+    return kJoint.bytes_per_pixel * static_cast<std::size_t>(view(0).camera.width) *
+           static_cast<std::size_t>(view(0).camera.height);
+  }
   PosedImage get_posed(std::size_t i, const Poses& poses) const { return {view(i).camera, poses[i], images_[i]}; }
 
   const Views& views_;
@@ -183,12 +187,15 @@ std::vector<PairModel> Chain::find_pairs(const Tick& tick) {
   const Poses given = apply(Corrections(count_));
   const auto fit = [&](std::size_t i) { return fit_models_of(i, given, coarsest_, tick); };
   std::vector<PairModel> all;
-  for_blocks(count_, [&](std::size_t first, std::size_t last) {
-    std::vector<std::vector<SharedPoint>> points(last - first);
-    parallel_for(points.size(), [&](std::size_t i) { points[i] = find_shared_points(first + i, sights); });
-    for (const std::vector<SharedPoint>& of_view : points) pairs_.add(of_view);
-    add_models(first, last, fit, all);
-  });
+  for_blocks(
+      count_,
+      [&](std::size_t first, std::size_t last) {
+        std::vector<std::vector<SharedPoint>> points(last - first);
+        parallel_for(points.size(), [&](std::size_t i) { points[i] = find_shared_points(first + i, sights); });
+        for (const std::vector<SharedPoint>& of_view : points) pairs_.add(of_view);
+        add_models(first, last, fit, all);
+      },
+      bytes_per_view());
   return all;
 }
 
@@ -196,7 +203,7 @@ std::vector<PairModel> Chain::fit_models(const Corrections& now, std::size_t coa
   const Poses poses = apply(now);
   const auto fit = [&](std::size_t i) { return fit_models_of(i, poses, coarsest, tick); };
   std::vector<PairModel> all;
-  for_blocks(count_, [&](std::size_t first, std::size_t last) { add_models(first, last, fit, all); });
+  for_blocks(count_, [&](std::size_t first, std::size_t last) { add_models(first, last, fit, all); }, bytes_per_view());
   return all;
 }
 
@@ -212,28 +219,31 @@ const PairModel* find_model(const Pair& pair, const std::vector<PairModel>& mode
 std::vector<Chain::Check> Chain::check(const std::vector<PairModel>& models, const std::vector<Poses>& candidates,
                                        const Tick& tick) const {
   std::vector<Check> out(count_);
-  parallel_in_order(count_, [&](std::size_t i) {
-    const std::vector<Pair> pairs = pairs_.get_pairs(i);
-    for (const Poses& candidate : candidates) {
-      double cost = 0;
-      int points = 0;
-      std::vector<double> offsets;
-      for (const Pair& pair : pairs) {
-        const PairModel* const model = find_model(pair, models);
-        if (model == nullptr) continue;
-        const HeldOutCost a =
-            evaluate_held_out({pair, get_posed(i, candidate), get_posed(pair.fixed, candidate)}, model->scale);
-        cost += a.cost * a.points;
-        points += a.points;
-        offsets.insert(offsets.end(), a.offsets_px.begin(), a.offsets_px.end());
-      }
-      out[i].points = points;
-      out[i].cost.push_back(points > 0 ? cost / points : 0);
-      std::sort(offsets.begin(), offsets.end());
-      out[i].offset_px.push_back(offsets.empty() ? 0 : offsets[offsets.size() / 2]);
-    }
-    tick();
-  });
+  parallel_in_order(
+      count_,
+      [&](std::size_t i) {
+        const std::vector<Pair> pairs = pairs_.get_pairs(i);
+        for (const Poses& candidate : candidates) {
+          double cost = 0;
+          int points = 0;
+          std::vector<double> offsets;
+          for (const Pair& pair : pairs) {
+            const PairModel* const model = find_model(pair, models);
+            if (model == nullptr) continue;
+            const HeldOutCost a =
+                evaluate_held_out({pair, get_posed(i, candidate), get_posed(pair.fixed, candidate)}, model->scale);
+            cost += a.cost * a.points;
+            points += a.points;
+            offsets.insert(offsets.end(), a.offsets_px.begin(), a.offsets_px.end());
+          }
+          out[i].points = points;
+          out[i].cost.push_back(points > 0 ? cost / points : 0);
+          std::sort(offsets.begin(), offsets.end());
+          out[i].offset_px.push_back(offsets.empty() ? 0 : offsets[offsets.size() / 2]);
+        }
+        tick();
+      },
+      bytes_per_view());
   return out;
 }
 

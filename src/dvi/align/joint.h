@@ -23,7 +23,8 @@ struct JointParams {
   /// not.
   std::size_t max_frame_distance = 8;
   std::size_t max_handheld_frame_distance = 32;
-  double radian_m = 10;  ///< distance in meters that counts as much as a radian between viewing directions
+  double radian_m = 10;              ///< distance in meters that counts as much as a radian between viewing directions
+  std::size_t bytes_per_pixel = 40;  ///< memory of a view while its models are fitted, per pixel
 };
 inline constexpr JointParams kJoint;
 

@@ -64,7 +64,8 @@ Coverage predict_coverage(const Views& views, const map::StaticMap& map, Coverag
   const std::size_t frames = coarse.of_sequence(0).second;
   std::vector<HoleCount> counts(frames);
   parallel_in_order(frames, [&](std::size_t i) {
-    counts[i] = count_pixels(sample::sample({coarse, i, *depths.maps[i], depths.visibility}, options.sample), coarse);
+    const depth::DepthMap depth = depths.make_map(i);
+    counts[i] = count_pixels(sample::sample({coarse, i, depth, depths.visibility}, options.sample), coarse);
     tick();
   });
   Coverage out;

@@ -223,6 +223,8 @@ CheckReport check(const job::Job& given, bool with_coverage, Progress& progress)
   job.options.masks.shadows = given.options.masks.shadows && with_coverage;
   const inputs::Recordings drives{inputs::open_recording(job.target, job.read, inputs::MaskNeed::optional, progress)};
   const Drive& drive = drives.front().drive;
+  const std::optional<std::string> memory_warning = inputs::bound_memory(job, drives);
+  if (memory_warning) progress.warn(*memory_warning);
   const std::vector<std::string> range_warnings = inputs::verify(drives, job, progress);
   inputs::PoseChoice choice;
   if (!drive.poses.empty() || !drive.scan_headers.empty())
@@ -240,6 +242,7 @@ CheckReport check(const job::Job& given, bool with_coverage, Progress& progress)
   const std::vector<std::string> warned = progress.warnings();
   for (std::size_t i = known; i < warned.size(); ++i) report.warnings.push_back(remove_name(warned[i], drives.front()));
   report.place = find_place(poses.front().world_from_lidar, drive.fixes);
+  if (memory_warning) report.warnings.push_back(*memory_warning);
   report.warnings.insert(report.warnings.end(), range_warnings.begin(), range_warnings.end());
   const std::vector<std::string> contradictions = inputs::check_setup({drives, poses, masks}, progress);
   report.warnings.insert(report.warnings.end(), contradictions.begin(), contradictions.end());

@@ -64,6 +64,11 @@ std::size_t Scratch::bound() const {
   return bound_;
 }
 
+std::size_t Scratch::in_memory() const {
+  const std::lock_guard lock(mutex_);
+  return in_memory_;
+}
+
 void* Scratch::allocate(std::size_t bytes) {
   const std::lock_guard lock(mutex_);
   if (bytes >= kMinFileBytes && in_memory_ + bytes > bound_) return map_file(bytes);

@@ -27,6 +27,8 @@ class Scratch {
   /// Sets the bound in bytes for subsequent blocks.
   void set_bound(std::size_t bound);
   std::size_t bound() const;
+  /// Returns the bytes that are not in temporary files.
+  std::size_t in_memory() const;
 
   void* allocate(std::size_t bytes);
   void release(void* block, std::size_t bytes);

@@ -14,6 +14,7 @@
 #endif
 
 #include "dvi/core/progress.h"
+#include "dvi/core/work_memory.h"
 
 namespace dvi {
 namespace {
@@ -88,7 +89,7 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
 // The functions that TBB calls are not checked, because they read their captures before they can call receive().
 #define DVI_UNCHECKED __attribute__((no_sanitize("thread")))
 
-void run_pipeline(std::size_t count, const std::vector<PipelineStep>& steps) {
+void run_pipeline(std::size_t count, const std::vector<PipelineStep>& steps, std::size_t bytes_per_item) {
   const Handover all;
   std::size_t next = 0;
   tbb::filter<void, std::size_t> chain = tbb::make_filter<void, std::size_t>(
@@ -109,20 +110,23 @@ void run_pipeline(std::size_t count, const std::vector<PipelineStep>& steps) {
     chain = chain & tbb::make_filter<std::size_t, std::size_t>(
                         any ? tbb::filter_mode::parallel : tbb::filter_mode::serial_in_order, call);
   }
-  const int items = thread_count() + std::max(2, thread_count() / 4);
-  tbb::parallel_pipeline(static_cast<std::size_t>(items),
+  const auto max_items = static_cast<std::size_t>(thread_count() + std::max(2, thread_count() / 4));
+  tbb::parallel_pipeline(WorkMemory::of_process()->count_items(bytes_per_item, max_items),
                          chain & tbb::make_filter<std::size_t, void>(tbb::filter_mode::parallel, [](std::size_t) {}));
   all.receive();
 }
 
-void for_blocks(std::size_t count, const std::function<void(std::size_t first, std::size_t last)>& body) {
-  const auto block = static_cast<std::size_t>(thread_count());
+void for_blocks(std::size_t count, const std::function<void(std::size_t first, std::size_t last)>& body,
+                std::size_t bytes_per_item) {
+  const std::size_t block = WorkMemory::of_process()->count_items(bytes_per_item, static_cast<std::size_t>(thread_count()));
   for (std::size_t first = 0; first < count; first += block) body(first, std::min(first + block, count));
 }
 
-void parallel_in_order(std::size_t count, const std::function<void(std::size_t)>& body) {
-  for_blocks(count,
-             [&](std::size_t first, std::size_t last) { parallel_for(last - first, [&](std::size_t i) { body(first + i); }); });
+void parallel_in_order(std::size_t count, const std::function<void(std::size_t)>& body, std::size_t bytes_per_item) {
+  const auto process = [&](std::size_t first, std::size_t last) {
+    parallel_for(last - first, [&](std::size_t i) { body(first + i); });
+  };
+  for_blocks(count, process, bytes_per_item);
 }
 
 }  // namespace dvi

@@ -35,12 +35,14 @@ double task_cpu_seconds();
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body);
 
 /// Calls body(first, last) for consecutive blocks of thread_count() indices of [0, count), of which the last one may be
-/// shorter. It serves items that are made in parallel and then merged in order, without memory for all of them.
-void for_blocks(std::size_t count, const std::function<void(std::size_t first, std::size_t last)>& body);
+/// shorter. It serves items that are made in parallel and then merged in order, without memory for all of them. Blocks are
+/// shorter if each item takes `bytes_per_item` and WorkMemory::of_process() has too little memory.
+void for_blocks(std::size_t count, const std::function<void(std::size_t first, std::size_t last)>& body,
+                std::size_t bytes_per_item = 0);
 
-/// Does the same as parallel_for(), but processes [0, count) from front to back, so that data shared by neighbors stays in a
-/// bounded cache.
-void parallel_in_order(std::size_t count, const std::function<void(std::size_t)>& body);
+/// Does the same as parallel_for(), but processes [0, count) from front to back in such blocks, so that data shared by
+/// neighbors stays in a bounded cache.
+void parallel_in_order(std::size_t count, const std::function<void(std::size_t)>& body, std::size_t bytes_per_item = 0);
 
 /// A step of a pipeline, called with the number of an item.
 struct PipelineStep {
@@ -53,18 +55,23 @@ struct PipelineStep {
 };
 
 /// Calls the steps one after another for each item of [0, count). Different steps of different items run at the same time, but
-/// the number of items that have begun and not finished exceeds thread_count() by a few only, so that memory is limited.
-void run_pipeline(std::size_t count, const std::vector<PipelineStep>& steps);
+/// the number of items that have begun and not finished exceeds thread_count() by a few only, so that memory is limited. It is
+/// smaller, but at least one, if each item takes `bytes_per_item` and WorkMemory::of_process() has too little memory.
+void run_pipeline(std::size_t count, const std::vector<PipelineStep>& steps, std::size_t bytes_per_item = 0);
 
 /// Calls make(i) for i in [0, count) on all threads, and use(i, result of make) in order, one at a time, while others are made.
+/// The number of items in progress is limited as by run_pipeline().
 template <class Make, class Use>
-void make_and_use(std::size_t count, const Make& make, const Use& use) {
+void make_and_use(std::size_t count, const Make& make, const Use& use, std::size_t bytes_per_item = 0) {
   std::vector<std::optional<std::invoke_result_t<Make, std::size_t>>> made(count);
-  run_pipeline(count, {{PipelineStep::Order::any, [&](std::size_t i) { made[i].emplace(make(i)); }},
-                       {PipelineStep::Order::ascending, [&](std::size_t i) {
-                          use(i, std::move(*made[i]));
-                          made[i].reset();
-                        }}});
+  run_pipeline(count,
+               {{PipelineStep::Order::any, [&](std::size_t i) { made[i].emplace(make(i)); }},
+                {PipelineStep::Order::ascending,
+                 [&](std::size_t i) {
+                   use(i, std::move(*made[i]));
+                   made[i].reset();
+                 }}},
+               bytes_per_item);
 }
 
 }  // namespace dvi

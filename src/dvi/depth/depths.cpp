@@ -1,5 +1,6 @@
 #include "dvi/depth/depths.h"
 
+#include <algorithm>
 #include <iterator>
 #include <map>
 #include <memory>
@@ -8,7 +9,7 @@
 #include <set>
 #include <utility>
 
-#include "dvi/core/threads.h"
+#include "dvi/core/work_memory.h"
 #include "dvi/depth/occluders.h"
 #include "dvi/depth/packed_depth.h"
 
@@ -17,25 +18,32 @@ namespace {
 
 /// Parameters of the store of packed depth maps.
 struct PackedDepthParams {
-  std::size_t max_bytes = std::size_t{192} << 20;  ///< Memory of all packed depth maps together.
+  std::size_t max_bytes = std::size_t{192} << 20;  ///< Memory of all packed depth maps together, ...
+  std::size_t work_memory_divisor = 4;             ///< ... and at most this part of the memory for work in progress.
 };
 constexpr PackedDepthParams kPackedDepth;
 
 /// Packed depth maps of views that will be targets later.
 class PackedDepths {
  public:
+  /// States that the depth map of a view is needed now: put() stores it beyond the bound.
+  void expect(std::size_t view) {
+    const std::lock_guard lock(mutex_);
+    expected_.insert(view);
+  }
   /// Stores a depth map. If the bound is reached, the depth maps of the last views are dropped, which are needed last.
   void put(std::size_t view, const DepthMap& depth, const cv::Mat1b& hole) {
     {
       const std::lock_guard lock(mutex_);
-      if (taken_.contains(view) || items_.contains(view)) return;
+      if (!is_wanted(view)) return;
     }
     PackedDepth packed(depth, hole);
     const std::lock_guard lock(mutex_);
-    if (taken_.contains(view)) return;
-    while (!items_.empty() && items_.rbegin()->first > view && bytes_ + packed.bytes() > kPackedDepth.max_bytes)
+    if (!is_wanted(view)) return;
+    const bool is_expected = expected_.contains(view);
+    while (!is_expected && !items_.empty() && items_.rbegin()->first > view && bytes_ + packed.bytes() > max_bytes_)
       drop(std::prev(items_.end()));
-    if (bytes_ + packed.bytes() > kPackedDepth.max_bytes) return;
+    if (!is_expected && bytes_ + packed.bytes() > max_bytes_) return;
     const std::size_t bytes = packed.bytes();
     if (items_.emplace(view, std::move(packed)).second) bytes_ += bytes;
   }
@@ -43,6 +51,7 @@ class PackedDepths {
   std::optional<PackedDepth> take(std::size_t view) {
     const std::lock_guard lock(mutex_);
     taken_.insert(view);
+    expected_.erase(view);
     const auto it = items_.find(view);
     if (it == items_.end()) return std::nullopt;
     std::optional<PackedDepth> out = std::move(it->second);
@@ -53,42 +62,47 @@ class PackedDepths {
  private:
   using Items = std::map<std::size_t, PackedDepth>;
 
+  bool is_wanted(std::size_t view) const {
+    return !items_.contains(view) && (!taken_.contains(view) || expected_.contains(view));
+  }
   void drop(Items::iterator item) {
     bytes_ -= item->second.bytes();
     items_.erase(item);
   }
 
+  const std::size_t max_bytes_ =
+      std::min(kPackedDepth.max_bytes, WorkMemory::of_process()->bound() / kPackedDepth.work_memory_divisor);
   std::mutex mutex_;
   Items items_;
-  std::set<std::size_t> taken_;
+  std::set<std::size_t> taken_, expected_;
   std::size_t bytes_ = 0;
 };
 
 /// Sets `sigma` to 0 outside the mask, as packing does, so that the result does not depend on which use of the view came first.
-DepthMap limit_sigma_to(const cv::Mat1b& mask, const DepthMap& whole) {
-  DepthMap out{whole.z, cv::Mat1f(mask.size(), 0.0F)};
-  whole.sigma.copyTo(out.sigma, mask);
-  return out;
+DepthMap limit_sigma_to(const cv::Mat1b& mask, DepthMap depth) {
+  depth.sigma.setTo(0, mask == 0);
+  return depth;
 }
 
 }  // namespace
 
 Depths::Depths(const Views& views, const std::function<DepthMap(std::size_t)>& make) {
-  const std::size_t in_progress = static_cast<std::size_t>(thread_count()) + 2;
-  const Lazy<DepthMap> whole(views.size(), in_progress, make);
   const auto packed_depths = std::make_shared<PackedDepths>();
-  maps = {views.size(), in_progress, [whole, packed_depths, masks = views.masks](std::size_t i) {
-            const std::optional<PackedDepth> packed = packed_depths->take(i);
-            return packed ? packed->unpack(*masks[i]) : limit_sigma_to(*masks[i], *whole[i]);
-          }};
-  visibility = {views.size(), [whole, packed_depths, masks = views.masks, returns = views.returns,
+  visibility = {views.size(), [make, packed_depths, masks = views.masks, returns = views.returns,
                                targets = views.of_sequence(0).second](std::size_t i) {
-                  const std::shared_ptr<const DepthMap> depth = whole[i];
+                  const DepthMap depth = make(i);
                   const std::shared_ptr<const cv::Mat1b> mask = masks[i];
-                  if (i < targets) packed_depths->put(i, *depth, *mask);
-                  if (returns.empty()) return make_visibility_map(*depth, *mask);
-                  return make_visibility_map(*depth, cv::Mat1b(*mask | find_occluders(*depth, *returns[i])));
+                  if (i < targets) packed_depths->put(i, depth, *mask);
+                  if (returns.empty()) return make_visibility_map(depth, *mask);
+                  return make_visibility_map(depth, cv::Mat1b(*mask | find_occluders(depth, *returns[i])));
                 }};
+  // The visibility map of a target is needed, too: it is made first, from the same depth map.
+  make_map = [make, packed_depths, visibility = visibility, masks = views.masks](std::size_t i) {
+    packed_depths->expect(i);
+    visibility[i];
+    const std::optional<PackedDepth> packed = packed_depths->take(i);
+    return packed ? packed->unpack(*masks[i]) : limit_sigma_to(*masks[i], make(i));
+  };
 }
 
 }  // namespace dvi::depth

@@ -73,8 +73,9 @@ TEST(Depths, AreComputedOnceForViewsThatAreFirstASourceAndThenTheTarget) {
     return random_depth(i);
   });
   for (std::size_t target = 0; target < kViews; ++target) {
-    expect_same(*depths.maps[target], random_depth(target), make_hole());
-    EXPECT_EQ(cv::countNonZero(cv::Mat1f(depths.maps[target]->sigma.clone().setTo(0, make_hole()))), 0);
+    const DepthMap depth = depths.make_map(target);
+    expect_same(depth, random_depth(target), make_hole());
+    EXPECT_EQ(cv::countNonZero(cv::Mat1f(depth.sigma.clone().setTo(0, make_hole()))), 0);
     for (std::size_t source = 0; source < kViews; ++source) {
       const VisibilityMap expected = make_visibility_map(random_depth(source), make_hole());
       EXPECT_TRUE(are_equal(depths.visibility[source]->farthest, expected.farthest));

@@ -373,6 +373,7 @@ DepthMap sweep_planes(const Target& target, const PlaneSweepOptions& options) {
          choose_source_frames(target, {rays, max_inverse_depth}, options.sources, options.max_frame_gap))
       tile.sources.push_back(source_of(view));
     if (tile.sources.empty()) continue;
+    std::erase_if(contrasts, [](const auto& item) { return item.second.use_count() == 1; });  // each is as large as four images
     double parallax = 0;
     for (const Source& source : tile.sources)
       for (const Eigen::Vector3d& ray : rays) parallax = std::max(parallax, compute_parallax(source, ray));

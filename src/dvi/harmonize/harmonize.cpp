@@ -334,7 +334,8 @@ void write_confidence(const Window& window, const ErrorScale& scale, FilledFrame
     double confidence = 0;
     if (fused.candidates.leading[i].found()) {
       const double change = mean_difference(out.color(p), fused.color[i]);
-      const double expected = estimate_error_levels(gather_evidence(window.target, fused, i, {out.color, change}));
+      const double expected =
+          estimate_error_levels(gather_evidence(window.target, fused, i, {measure_texture(out.color, p), change}));
       confidence = confidence_of_copy(scale.at(expected) * expected);
     } else if (out.kind(p) == static_cast<uchar>(Kind::interpolated)) {
       confidence = confidence_of_interpolation(distance(window.pixel(i)));

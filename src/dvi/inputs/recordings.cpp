@@ -8,13 +8,13 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/median.h"
-#include "dvi/core/scratch.h"
 #include "dvi/core/text.h"
 #include "dvi/core/threads.h"
 #include "dvi/datasets/compare_times.h"
 #include "dvi/datasets/pose_file.h"
 #include "dvi/datasets/pose_jumps.h"
 #include "dvi/inputs/mask_sources.h"
+#include "dvi/inputs/memory_plan.h"
 #include "dvi/inputs/near_target.h"
 #include "dvi/inputs/poses.h"
 #include "dvi/labels/class_ids.h"
@@ -107,16 +107,6 @@ bool is_same_camera(const Drive& a, const Drive& b) {
   return a.camera_name == b.camera_name && a.camera.width == b.camera.width && a.camera.height == b.camera.height;
 }
 
-/// Limits the memory of the map and of the caches to a third each of `memory_mb` without the program's own memory. The last
-/// third is for the data that are being computed, which have no limit.
-void bound_memory(const job::Job& job) {
-  constexpr int kProgramMb = 150;  // code, libraries, and the heap's fragmentation
-  const int shared = std::max(job.memory_mb - kProgramMb, job.memory_mb / 2);
-  const std::size_t third = static_cast<std::size_t>(shared) * 1'000'000 / 3;
-  Scratch::of_process()->set_bound(third);
-  CacheBudget::of_process()->set_bound(third);
-}
-
 /// Reads the part of a source drive that is near the target by given poses; all of it if poses are missing.
 Drive read_near_target(const Drive& target, const fs::path& path, datasets::ReadOptions read, Progress& progress) {
   Drive whole = datasets::read_drive(path, read);
@@ -189,7 +179,7 @@ Recording open_recording(const fs::path& path, const job::ReadChoice& choice, Ma
 }
 
 Recordings open_recordings(const job::Job& job, MaskNeed need, Progress& progress) {
-  bound_memory(job);
+  bound_memory(job.memory_mb, {});
   Recordings drives;
   const std::shared_ptr<const objects::Detector> detector = load_detector(job.read);
   drives.push_back(open_drive(job.target, {job.read, detector, need}, progress));
@@ -206,11 +196,12 @@ Recordings open_recordings(const job::Job& job, MaskNeed need, Progress& progres
     drives.push_back(open_drive(path, {further, detector, of_sources, &drives.front().drive}, progress));
   for (Recording& open : drives)
     if (is_same_camera(open.drive, drives.front().drive)) open.ego_mask = drives.front().ego_mask;
+  if (const auto warning = bound_memory(job, drives)) progress.warn(*warning);
   return drives;
 }
 
 Recordings open_images(const job::Job& job, Progress& progress) {
-  bound_memory(job);
+  bound_memory(job.memory_mb, {});
   Recording open = open_recording(job.target, job.read, MaskNeed::required, progress);
   for (const MaskSource source : {MaskSource::points, MaskSource::found}) open.masks_from.erase(source);  // they need scans
   if (open.masks_from.empty())
@@ -220,7 +211,15 @@ Recordings open_images(const job::Job& job, Progress& progress) {
   open.drive.scans = {};
   open.drive.point_labels = {};
   if (!job.sources.empty()) progress.warn("method " + to_string(job.method) + " does not use source drives");
+  if (const auto warning = bound_memory(job, {open})) progress.warn(*warning);
   return {open};
+}
+
+std::optional<std::string> bound_memory(const job::Job& job, const Recordings& drives) {
+  cv::Size largest;
+  for (const Recording& open : drives)
+    if (const cv::Size size(open.drive.camera.width, open.drive.camera.height); size.area() > largest.area()) largest = size;
+  return bound_memory(job.memory_mb, largest);
 }
 
 namespace {

@@ -51,6 +51,9 @@ Recordings open_recordings(const job::Job& job, MaskNeed need, Progress& progres
 /// are not used. Throws InputError if the drive has neither masks nor labels.
 Recordings open_images(const job::Job& job, Progress& progress);
 
+/// Divides the job's memory for the largest images of the drives. Returns a warning if it is too small for one frame.
+std::optional<std::string> bound_memory(const job::Job& job, const Recordings& drives);
+
 /// Reads every image, mask file, and scan once, so that damaged files are reported before hours of work. Throws InputError for
 /// the first damaged file, and for a map that is not near its drive's path. Warns, and returns the warnings, if the LiDAR's
 /// range in the job excludes more than a tenth of a drive's returns, or if scans may be truncated.

@@ -94,7 +94,8 @@ OptionTable Job::table() {
       "memory_mb", memory_mb, {16, 1000000},
       "Limits the memory: 150 MB (at most half) are for the program itself; of the rest, a third is for the map (what does "
       "not fit is paged to unlinked files in TMPDIR), a third for the images, scans, masks, and depth maps that are kept "
-      "for further use, and a third for the work in progress.");
+      "for further use, and a third, or what one frame needs, for the work in progress. Fewer frames than threads are "
+      "processed at a time if they do not fit. A warning states the least memory for one frame.");
   table.add(
       "sections", sections, {0, 10000},
       "Cuts the drive into sections that are planned alone (dvi plan --section K/N, docs/scale.md); 0: one per 10,000 frames.");

@@ -12,6 +12,7 @@
 #include "dvi/image/gray.h"
 #include "dvi/image/optical_flow.h"
 #include "dvi/media/image_file.h"
+#include "dvi/media/image_memory.h"
 
 namespace dvi::metrics {
 namespace {
@@ -84,6 +85,8 @@ double to_ppm(std::size_t count, std::size_t of) {
 
 std::size_t count_pixels(const cv::Mat1b& mask) { return static_cast<std::size_t>(cv::countNonZero(mask)); }
 
+constexpr std::size_t kArtifactBytesPerPixel = 40;  // memory of a frame while its artifacts are counted
+
 }  // namespace
 
 Artifacts& Artifacts::operator+=(const Artifacts& other) {
@@ -115,7 +118,7 @@ Artifacts count_artifacts(const fs::path& out, const std::vector<std::string>& n
     return gray_8bit(frame);
   });
   std::vector<Artifacts> found(names.size());
-  parallel_in_order(names.size(), [&](std::size_t i) {
+  const auto count = [&](std::size_t i) {
     tick();
     const auto whole = gray[i];
     const cv::Mat1b whole_mask = read_mask(i, whole->size());
@@ -132,7 +135,10 @@ Artifacts count_artifacts(const fs::path& out, const std::vector<std::string>& n
     counts.hole_between = counts.hole, counts.ring_between = count_pixels(boundary);
     counts.flashes = count_pixels(cv::Mat1b(flashing & mask)),
     counts.ring_flashes = count_pixels(cv::Mat1b(flashing & boundary));
-  });
+  };
+  const std::size_t bytes =
+      names.empty() ? 0 : media::estimate_image_bytes(out / "frames" / (names[0] + ".png"), kArtifactBytesPerPixel);
+  parallel_in_order(names.size(), count, bytes);
   Artifacts sum;
   for (const Artifacts& counts : found) sum += counts;
   return sum;

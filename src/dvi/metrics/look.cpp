@@ -10,12 +10,15 @@
 #include "dvi/core/threads.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/media/image_file.h"
+#include "dvi/media/image_memory.h"
 #include "dvi/media/write_image.h"
 #include "dvi/metrics/ground_pixels.h"
 #include "dvi/metrics/texture_cells.h"
 
 namespace dvi::metrics {
 namespace {
+
+constexpr std::size_t kLookBytesPerPixel = 40;  // memory of a frame while it is measured
 
 using harmonize::Kind;
 
@@ -267,10 +270,13 @@ std::optional<Look> measure_look(const fs::path& out, const std::vector<std::str
                                  const std::function<fs::path(const std::string& name)>& filled) {
   Look look;
   look.frames.resize(names.size());
-  parallel_for(names.size(), [&](std::size_t i) {
+  const auto measure = [&](std::size_t i) {
     look.frames[i] = load_and_measure(out, names[i], filled);
     tick();
-  });
+  };
+  const std::size_t bytes =
+      names.empty() ? 0 : media::estimate_image_bytes(out / "frames" / (names[0] + ".png"), kLookBytesPerPixel);
+  parallel_in_order(names.size(), measure, bytes);
   for (const LookFrame& frame : look.frames) look.total += frame.sums;
   return look.total.pixels > 0 ? std::optional(std::move(look)) : std::nullopt;
 }

@@ -14,6 +14,7 @@
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/media/image_file.h"
+#include "dvi/media/image_memory.h"
 #include "dvi/media/write_image.h"
 #include "dvi/report/frame_block.h"
 #include "dvi/report/frame_pictures.h"
@@ -29,6 +30,7 @@ using nlohmann::json;
 constexpr const char* kIndexSchema = "dvi-page/1";
 constexpr std::array<const char*, 4> kFolders{"report", "report/before", "report/truth", "report/sources"};
 constexpr int kJpegQuality = 85;
+constexpr std::size_t kReportBytesPerPixel = 40;  // memory of a frame while its entry is written
 
 std::string make_path(const char* folder, std::size_t number, const char* ending) {
   return fmt::format("report/{}{:06d}{}", folder, number, ending);
@@ -114,7 +116,8 @@ class ReportWriter {
           entries[i] = std::move(frame.entry);
           add(frame.unobserved, unobserved);
           tick();
-        });
+        },
+        names_.empty() ? 0 : media::estimate_image_bytes(out_ / "kind" / (names_[0] + ".png"), kReportBytesPerPixel));
     write_sources();
     for (const PageFile& file : get_page_files())
       if (file.name != "report.html") write(std::string("report/") + std::string(file.name), std::string(file.bytes));

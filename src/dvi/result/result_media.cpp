@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::size_t kSheetRows = 8;
 constexpr int kCellWidthPx = 480;
+constexpr std::size_t kVideoBytesPerPixel = 14;  // memory of a frame while the videos are written
 
 /// Returns "NAME  copied 22 %  interpolated 78 %".
 std::string caption_of(const cv::Mat1b& kind, const std::string& name) {
@@ -95,9 +96,11 @@ void write_media(const fs::path& out, const FinishedFrames& frames, const media:
     items[i] = {};
     progress.advance();
   };
-  run_pipeline(names.size(), {{PipelineStep::Order::any, read},
-                              {PipelineStep::Order::ascending, [&](std::size_t i) { video.push(items[i].result); }},
-                              {PipelineStep::Order::ascending, finish}});
+  run_pipeline(names.size(),
+               {{PipelineStep::Order::any, read},
+                {PipelineStep::Order::ascending, [&](std::size_t i) { video.push(items[i].result); }},
+                {PipelineStep::Order::ascending, finish}},
+               kVideoBytesPerPixel * static_cast<std::size_t>(size.area()));
   video.finish();
   compare.finish();
   media::write_png(out / "contact.png", media::make_contact_sheet(sheet, kCellWidthPx));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "dvi/inputs/check_setup.h"
 #include "dvi/inputs/collect_evidence.h"
 #include "dvi/inputs/make_views.h"
+#include "dvi/inputs/memory_plan.h"
 #include "dvi/inputs/rig.h"
 #include "dvi/result/stage_fields.h"  // IWYU pragma: keep
 #include "dvi/run/make_map.h"
@@ -58,6 +60,7 @@ void DriveRun::compute_stages(StageCache::Missing missing, const MaskOfView& mas
       stages.load_or_compute("objects", [&] { return objects::find_objects(evidence, job_.removal(), progress_); });  // 3.1
   masks_ = objects::draw_masks(evidence, objects_, job_.removal(), progress_);
   map_ = stages.load_or_compute("map", [&] { return build_map(); }, StaticMap(Scratch::of_process()));  // 3.1
+  inputs::use_free_map_memory_for_work();
   const Views posed = inputs::make_views({drives_, poses_, masks_}, progress_);
   const VisibleMap visible(map_, posed);
   const Refinement refine{posed, visible, drives_, options_};
@@ -76,7 +79,8 @@ void DriveRun::compute_stages(StageCache::Missing missing, const MaskOfView& mas
 
 HarmonizedFrame DriveRun::harmonize(std::size_t frame) const {
   const auto& [stages, depths, ground] = *context_;
-  const DepthMap depth = stages.plane_sweep({views_, frame, *depths.maps[frame], depths.visibility});  // 3.1
+  DepthMap depth = depths.make_map(frame);  // 3.1
+  depth = stages.plane_sweep({views_, frame, depth, depths.visibility});
   const Target target{views_, frame, depth, depths.visibility};
   Candidates candidates = stages.sample(target);                             // 3.2
   const Labeling labels = stages.regularize(std::move(candidates), target);  // 3.3, eqs. 2-4
@@ -85,9 +89,9 @@ HarmonizedFrame DriveRun::harmonize(std::size_t frame) const {
   return {std::move(filled), labels.energy, std::move(input.classes)};
 }
 
-SynthesizedFrame DriveRun::synthesize(std::size_t frame, const HarmonizedFrame& harmonized,
-                                      const CompletedViews& completed) const {
-  return context_->stages.synthesize({harmonized.filled, harmonized.classes, *context_->ground}, views_, frame, completed);
+SynthesizedFrame DriveRun::synthesize(std::size_t frame, HarmonizedFrame harmonized, const CompletedViews& completed) const {
+  return context_->stages.synthesize({std::move(harmonized.filled), std::move(harmonized.classes), *context_->ground}, views_,
+                                     frame, completed);
 }
 
 CompletedViews DriveRun::complete_views() {
@@ -101,21 +105,19 @@ CompletedViews DriveRun::complete_views() {
         if (!made.guide.group.empty())
           completed.push_back(synthesize::make_completed_view(made, views_, selected[i], *context_->ground));
         progress_.advance();
-      });
+      },
+      bytes_per_frame());
   progress_.end();
   return completed;
 }
 
 FilledView DriveRun::fill(std::size_t frame) const {
-  if (!is_synthesized(options_)) {
-    HarmonizedFrame harmonized = harmonize(frame);
-    return {std::move(harmonized.filled), harmonized.energy};
-  }
   const bool is_completed = std::any_of(completed_views_.begin(), completed_views_.end(),
                                         [frame](const synthesize::CompletedView& made) { return made.view == frame; });
-  const std::shared_ptr<const HarmonizedFrame> harmonized =
-      is_completed ? harmonized_[frame] : std::make_shared<const HarmonizedFrame>(harmonize(frame));
-  return {synthesize(frame, *harmonized, completed_views_).frame, harmonized->energy};
+  HarmonizedFrame harmonized = is_completed ? *harmonized_[frame] : harmonize(frame);
+  const std::optional<regularize::Energies> energy = harmonized.energy;
+  if (!is_synthesized(options_)) return {std::move(harmonized.filled), energy};
+  return {synthesize(frame, std::move(harmonized), completed_views_).frame, energy};
 }
 
 void DriveRun::fill_frames(const std::vector<std::size_t>& frames, const result::FinishedFrame& hand_on) {
@@ -132,7 +134,13 @@ void DriveRun::write_frames(const std::vector<std::size_t>& frames, const WriteF
   for_each_smoothed(frames, this->frames(),
                     {.fill = [&](std::size_t frame) { return fill(frame); },
                      .smoothing = make_smoothing(options_.smooth, cpu_),  // 3.6
-                     .write = write});
+                     .write = write,
+                     .bytes_per_frame = bytes_per_frame()});
+}
+
+std::size_t DriveRun::bytes_per_frame() const {
+  const Camera& camera = drives_.front().drive.camera;
+  return inputs::estimate_frame_bytes({camera.width, camera.height});
 }
 
 result::RunReport DriveRun::finish() {

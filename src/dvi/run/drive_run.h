@@ -78,6 +78,8 @@ class DriveRun {
   std::size_t frames() const { return views_.of_sequence(0).second; }
   /// Returns the number of a frame in the drive.
   int number_of(std::size_t frame) const { return drives_.front().drive.frames[views_[frame].frame].number; }
+  /// Returns the memory that a frame in progress takes.
+  std::size_t bytes_per_frame() const;
   result::CpuClock& cpu() { return cpu_; }
 
  private:
@@ -87,7 +89,7 @@ class DriveRun {
   map::StaticMap build_map() const;
   harmonize::HarmonizeInput make_harmonize_input(const depth::Target& target, const sample::Candidates& candidates) const;
   HarmonizedFrame harmonize(std::size_t frame) const;
-  synthesize::SynthesizedFrame synthesize(std::size_t frame, const HarmonizedFrame& harmonized,
+  synthesize::SynthesizedFrame synthesize(std::size_t frame, HarmonizedFrame harmonized,
                                           const synthesize::CompletedViews& completed) const;
   synthesize::CompletedViews complete_views();
 

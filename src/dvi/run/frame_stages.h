@@ -37,7 +37,7 @@ struct FrameStages {
   Stage<harmonize::IlluminationChange(const depth::Target&, const sample::Candidates&)> compare_illumination;
   Stage<cv::Mat1b(const depth::Target&, const sample::Candidates&, const ground::RoadGround&)> classify_surfaces;
   Stage<harmonize::FilledFrame(const depth::Target&, const sample::Candidates&, const harmonize::HarmonizeInput&)> harmonize;
-  Stage<synthesize::SynthesizedFrame(const synthesize::ClassifiedFrame&, const Views&, std::size_t index,
+  Stage<synthesize::SynthesizedFrame(synthesize::ClassifiedFrame, const Views&, std::size_t index,
                                      const synthesize::CompletedViews&)>
       synthesize;
 };

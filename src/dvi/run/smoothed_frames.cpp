@@ -69,7 +69,8 @@ void for_each_smoothed(const std::vector<std::size_t>& views, std::size_t count,
     if (i > 0) items[i - 1] = {};
   };
   run_pipeline(needed.empty() ? 0 : needed.size() + 1,
-               {{any, fill}, {ascending, wait}, {any, pair}, {ascending, wait}, {any, write}, {ascending, release}});
+               {{any, fill}, {ascending, wait}, {any, pair}, {ascending, wait}, {any, write}, {ascending, release}},
+               steps.bytes_per_frame);
 }
 
 }  // namespace dvi::run

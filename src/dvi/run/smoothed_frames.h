@@ -25,6 +25,7 @@ struct FrameSteps {
   std::function<result::FilledView(std::size_t view)> fill;
   std::optional<Smoothing> smoothing;  ///< none: frames are not smoothed
   std::function<void(std::size_t view, const result::FilledView& finished)> write;
+  std::size_t bytes_per_frame = 0;  ///< The memory that a frame takes in all steps; it limits the frames in progress.
 };
 
 /// Makes the smoothing, which adds its CPU time to the clock; none if it is switched off.

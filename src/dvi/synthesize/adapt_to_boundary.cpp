@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core.hpp>
 
-#include "dvi/image/enlarge.h"
 #include "dvi/image/neighbors.h"
 #include "dvi/image/poisson.h"
 #include "dvi/image/region.h"
@@ -24,69 +24,60 @@ struct BoundaryParams {
 };
 constexpr BoundaryParams kBoundary;
 
-/// The mean color of the pixels of a mask over a square around each pixel of a box.
-struct MaskedMean {
-  MaskedMean(const cv::Mat3f& color, const cv::Mat1b& mask, const cv::Rect& pixels)
-      : near(enlarge(pixels, kBoundary.side_px, mask.size())) {
-    cv::Mat3f masked(near.size(), cv::Vec3f());
-    color(near).copyTo(masked, mask(near));
-    const cv::Size side(kBoundary.side_px, kBoundary.side_px);
-    cv::boxFilter(masked, mean, CV_32F, side);
-    cv::Mat1f ones(near.size(), 0.0F);
-    ones.setTo(1, mask(near));
-    cv::boxFilter(ones, share, CV_32F, side);
-  }
-  cv::Vec3f at(cv::Point p) const { return mean(p - near.tl()) / share(p - near.tl()); }
-  bool has(cv::Point p) const { return share(p - near.tl()) > 1e-3F; }
-
-  cv::Rect near;  ///< The part of the image that the matrices below cover.
-  cv::Mat3f mean;
-  cv::Mat1f share;
+/// A step of the mean color across the boundary, from inside to outside, and its weight.
+struct BoundaryStep {
+  cv::Vec3f step;
+  float weight = 0;
 };
 
-/// Steps of the mean color across the boundary, from inside to outside, and their weights.
-struct BoundarySteps {
-  explicit BoundarySteps(cv::Size size) : step(size, cv::Vec3f()), weight(size, 0.0F) {}
+/// The mean color of some pixels of the square.
+struct MeanColor {
+  static constexpr double kPixelShare = 1.0 / (kBoundary.side_px * kBoundary.side_px);
+  cv::Vec3d sum;
+  int count = 0;
 
-  /// Adds those at the inner pixels of a group.
-  void add(const cv::Mat3f& color, const cv::Mat1b& inner, const cv::Mat1b& group) {
-    const cv::Mat1b inner_group(inner & group);
-    const cv::Rect box = cv::boundingRect(inner_group);
-    if (box.empty()) return;
-    const MaskedMean inside(color, inner_group, box), outside(color, cv::Mat1b(~inner & group), box);
-    for (const cv::Point p : Region(inner_group).pixels) {
-      if (!inside.has(p) || !outside.has(p)) continue;
-      const cv::Vec3f difference = outside.at(p) - inside.at(p);
-      const float size = static_cast<float>(cv::norm(difference)) / kBoundary.edge_levels;
-      step(p) = cv::Vec3f::all((difference[0] + difference[1] + difference[2]) / 3);
-      weight(p) = std::exp(-size * size);
+  void add(const cv::Vec3f& color) {
+    sum += cv::Vec3d(color);
+    ++count;
+  }
+  cv::Vec3f get() const { return cv::Vec3f(sum * kPixelShare) / static_cast<float>(count * kPixelShare); }
+};
+
+/// Compares the mean colors of the inner and of the outer pixels in the square around a pixel, which have its group.
+BoundaryStep measure_step(const cv::Mat3f& color, const cv::Mat1b& inner, const cv::Mat1b& group, cv::Point p) {
+  constexpr int kHalf = kBoundary.side_px / 2;
+  MeanColor inside, outside;
+  for (int y = p.y - kHalf; y <= p.y + kHalf; ++y)
+    for (int x = p.x - kHalf; x <= p.x + kHalf; ++x) {
+      const cv::Point q(cv::borderInterpolate(x, color.cols, cv::BORDER_REFLECT_101),
+                        cv::borderInterpolate(y, color.rows, cv::BORDER_REFLECT_101));
+      if (group(q) == group(p)) (inner(q) != 0 ? inside : outside).add(color(q));
     }
-  }
-
-  cv::Mat3f step;
-  cv::Mat1f weight;
-};
+  if (inside.count == 0 || outside.count == 0) return {};
+  const cv::Vec3f difference = outside.get() - inside.get();
+  const float size = static_cast<float>(cv::norm(difference)) / kBoundary.edge_levels;
+  return {cv::Vec3f::all((difference[0] + difference[1] + difference[2]) / 3), std::exp(-size * size)};
+}
 
 }  // namespace
 
 void adapt_to_boundary(cv::Mat3f& color, const cv::Mat1b& inner, const SurfaceGuide& guide) {
   const Region region(inner);
   if (region.pixels.empty()) return;
-  BoundarySteps steps(color.size());
-  for (const Group group : {Group::ground, Group::upright})
-    steps.add(color, inner, cv::Mat1b(guide.group == static_cast<uchar>(group)));
   const cv::Rect inside({}, inner.size());
   PoissonSystem system{region, {}, {}, 1};
   for (const cv::Point p : region.pixels) {
     float diagonal = kBoundary.screening;
     cv::Vec3f right;
+    std::optional<BoundaryStep> step;
     for (const cv::Point q : four_neighbors(p)) {
       if (!inside.contains(q)) continue;
       if (inner(q) != 0) {
         diagonal += 1;
-      } else if (guide.group(p) == guide.group(q)) {
-        diagonal += steps.weight(p);
-        right += steps.weight(p) * steps.step(p);
+      } else if (guide.group(p) != static_cast<uchar>(Group::none) && guide.group(p) == guide.group(q)) {
+        if (!step) step = measure_step(color, inner, guide.group, p);
+        diagonal += step->weight;
+        right += step->weight * step->step;
       }
     }
     system.diagonal.push_back(diagonal);

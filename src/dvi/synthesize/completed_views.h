@@ -17,7 +17,7 @@ namespace dvi::synthesize {
 struct SynthesizedFrame {
   harmonize::FilledFrame frame;
   cv::Mat1b completed;  ///< 255: the pixel is not shown by any completed view and was completed in this frame.
-  SurfaceGuide guide;   ///< The surfaces of its pixels; empty if no pixel is unobserved.
+  SurfaceGuide guide;   ///< The groups of its pixels; empty if no pixel is unobserved.
 };
 
 /// The unobserved pixels of a view that were completed there, with depths. Other frames show them from their own positions.

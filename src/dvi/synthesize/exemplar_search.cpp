@@ -67,6 +67,9 @@ cv::v_float32x4 load_color(const cv::Mat4f& image, cv::Point source, const Patch
 
 ExemplarSearch::ExemplarSearch(ExemplarLevel& level, Random& random)
     : level_(level), random_(random), targets_(find_targets(level)), matches_(targets_.size()), usage_(level.size(), 0.0F) {
+  prior_.reserve(targets_.size());
+  for (const cv::Point p : targets_.pixels) prior_.push_back(level.prior(p));
+  level.prior.release();
   cv::Mat1f weight(level.size(), kExemplar.known_weight);
   weight.setTo(1, level.unknown);
   weight_ = box_sum(weight);
@@ -222,7 +225,7 @@ float ExemplarSearch::cost_of_place(cv::Point target, cv::Point source, const Pa
               scaled = on_ground && warp.is_identity() && source != target ? kExemplar.scale_levels : 0;
   float cost = place * place + used * used + scaled * scaled;
   if (level_.unknown(target) != 0) {
-    const cv::Vec4f difference = mean_(source) - level_.prior(target);
+    const cv::Vec4f difference = mean_(source) - prior_[targets_.index(target)];
     cost += kExemplar.prior_weight * std::min(difference.dot(difference) / 3, kExemplar.prior_max * kExemplar.prior_max);
   }
   return cost;

@@ -33,7 +33,7 @@ struct Exemplar {
 };
 
 /// The search for the exemplars of all patches that have unknown pixels, at one level of the pyramid. It changes the colors of
-/// the level, which must outlive it.
+/// the level, which must outlive it, and takes its `prior`.
 class ExemplarSearch {
  public:
   ExemplarSearch(ExemplarLevel& level, Random& random);
@@ -72,6 +72,7 @@ class ExemplarSearch {
   Random& random_;
   Region targets_;
   std::vector<Exemplar> matches_;                    // one per target
+  std::vector<cv::Vec4f> prior_;                     // ExemplarLevel::prior of each target
   std::array<std::vector<cv::Point>, 256> sources_;  // centers of possible exemplars, by group
   cv::Mat1f usage_;                                  // how often a pixel is used, relative to the mean, minus 1
   cv::Mat4f mean_;                                   // mean color of the pixels of each patch

@@ -85,7 +85,9 @@ void complete_from_exemplars(cv::Mat3f& color, const ExemplarMasks& masks, const
   for (int k = count - 1; k >= 0; --k) {
     ExemplarSearch search(levels[k], random);
     search.start(coarser ? &*coarser : nullptr);
-    if (coarser) search.vote();
+    coarser.reset();
+    levels.resize(k + 1);  // the coarser levels are no longer needed
+    if (k + 1 < count) search.vote();
     const int more = count == 1 ? 0 : (kCompletion.coarse_rounds - kCompletion.fine_rounds) * k / (count - 1);
     for (int round = 0; round < kCompletion.fine_rounds + more; ++round) {
       search.improve(round % 2 == 0);

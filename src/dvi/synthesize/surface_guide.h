@@ -16,8 +16,8 @@ enum class Group : std::uint8_t { none, ground, upright };
 
 /// A filled frame with the surfaces that are known of it.
 struct ClassifiedFrame {
-  const harmonize::FilledFrame& filled;
-  const cv::Mat1b& classes;          ///< The harmonize::SurfaceClass of the pixels of the hole; empty: all unknown.
+  harmonize::FilledFrame filled;
+  cv::Mat1b classes;                 ///< The harmonize::SurfaceClass of the pixels of the hole; empty: all unknown.
   const ground::RoadGround& ground;  ///< That of the drive.
 };
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <initializer_list>
 #include <limits>
-
+#include <utility>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
@@ -140,23 +140,25 @@ void limit_to_original(const Region& region, harmonize::FilledFrame& frame) {
 
 }  // namespace
 
-SynthesizedFrame synthesize(const ClassifiedFrame& classified, const Views& views, std::size_t index,
+SynthesizedFrame synthesize(ClassifiedFrame classified, const Views& views, std::size_t index,
                             const CompletedViews& completed) {
-  const harmonize::FilledFrame& frame = classified.filled;
-  SynthesizedFrame out{frame, cv::Mat1b(frame.kind.size(), uchar{0}), {}};
-  const cv::Mat1b unobserved(frame.kind >= static_cast<uchar>(Kind::interpolated));
-  const cv::Mat1b wanted((frame.kind == static_cast<uchar>(Kind::interpolated)) | find_fragments(frame.kind));
-  if (cv::countNonZero(wanted) == 0) return out;
+  SynthesizedFrame out{std::move(classified.filled), {}, {}};
   harmonize::FilledFrame& made = out.frame;
+  out.completed = cv::Mat1b(made.kind.size(), uchar{0});
+  const cv::Mat1b unobserved(made.kind >= static_cast<uchar>(Kind::interpolated));
+  const cv::Mat1b wanted((made.kind == static_cast<uchar>(Kind::interpolated)) | find_fragments(made.kind));
+  if (cv::countNonZero(wanted) == 0) return out;
   for (cv::Mat* changed :
        std::initializer_list<cv::Mat*>{&made.color, &made.kind, &made.confidence, &made.provenance, &made.used})
     *changed = changed->clone();
   made.kind.setTo(static_cast<uchar>(Kind::synthesized), wanted);
   made.provenance.setTo(0, wanted);
   made.used.setTo(0, wanted);
-  const ShownPixels shown = show_completed_views(completed, views, views[index], wanted);
-  shown.color.copyTo(made.color, shown.shown);
-  out.completed = wanted & ~shown.shown;
+  {
+    const ShownPixels shown = show_completed_views(completed, views, views[index], wanted);
+    shown.color.copyTo(made.color, shown.shown);
+    out.completed = wanted & ~shown.shown;
+  }
   // Patches are too large for gaps between completed views.
   const cv::Mat1b wide(grown(grown(out.completed, -kThinRadiusPx), kThinRadiusPx + 1) & out.completed);
   interpolate(made.color, cv::Mat1b(out.completed & ~wide), wide);
@@ -166,6 +168,7 @@ SynthesizedFrame synthesize(const ClassifiedFrame& classified, const Views& view
   for (const UnknownPart& part : parts) where(part.box).setTo(255);
   out.guide = guide_by_surfaces({made, classified.classes, classified.ground}, views[index], where);
   complete_parts(parts, usable, index, out);
+  out.guide.ground.release();
   adapt_to_boundary(made.color, wanted, out.guide);
   limit_to_original(Region(wanted), made);
   write_confidence(Region(wanted), made);

@@ -9,8 +9,8 @@
 namespace dvi::synthesize {
 
 /// Replaces the colors of interpolated pixels by those of completed views, and by exemplars where no completed view shows them;
-/// their kind becomes `synthesized`. `index` is the frame's view.
-SynthesizedFrame synthesize(const ClassifiedFrame& frame, const Views& views, std::size_t index,
-                            const CompletedViews& completed);
+/// their kind becomes `synthesized`. `index` is the frame's view. Images that are only referred to by `frame` are released as
+/// soon as they are replaced.
+SynthesizedFrame synthesize(ClassifiedFrame frame, const Views& views, std::size_t index, const CompletedViews& completed);
 
 }  // namespace dvi::synthesize
