@@ -19,7 +19,8 @@ struct MemoryPlan {
 MemoryPlan plan_memory(int memory_mb, cv::Size image);
 
 /// Sets the bounds of Scratch, CacheBudget, and WorkMemory of the process, and lets the heap return large blocks to the system
-/// when they are freed. Returns a warning if `memory_mb` is too small for one frame in progress.
+/// when they are freed if not all threads can have a frame in progress. Returns a warning if `memory_mb` is too small for one
+/// frame in progress.
 std::optional<std::string> bound_memory(int memory_mb, cv::Size image);
 
 /// Adds the part of the map's share that the map does not occupy to that of work in progress. Call it after the map is built.
