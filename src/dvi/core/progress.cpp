@@ -14,6 +14,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/json_text.h"
+#include "dvi/core/task_trace.h"
 
 namespace dvi {
 namespace {
@@ -64,6 +65,7 @@ void Progress::begin(const std::string& stage, std::size_t total) {
   begun_ = shown_ = Clock::now();
   cpu_begun_ = process_cpu_seconds();
   plan_.begin(stage_);
+  if (TaskTrace* trace = TaskTrace::of_process()) trace->stage(stage_);
   show(false);
 }
 

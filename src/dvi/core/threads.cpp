@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <string>
 #include <thread>
 
 #include <tbb/global_control.h>
@@ -14,6 +15,7 @@
 #endif
 
 #include "dvi/core/progress.h"
+#include "dvi/core/task_trace.h"
 #include "dvi/core/work_memory.h"
 
 namespace dvi {
@@ -52,6 +54,45 @@ class Handover {
   };
 };
 
+/// A loop in the trace of the process, if there is one.
+class TracedLoop {
+ public:
+  TracedLoop(std::size_t items, std::size_t limit, const std::string& steps) : trace_(TaskTrace::of_process()) {
+    if (trace_ != nullptr) trace_->begin_loop(items, limit, steps);
+  }
+  ~TracedLoop() {
+    if (trace_ != nullptr) trace_->end_loop();
+  }
+  TracedLoop(const TracedLoop&) = delete;
+  TracedLoop& operator=(const TracedLoop&) = delete;
+
+ private:
+  TaskTrace* trace_;
+};
+
+/// Returns how many items fit into memory; 0: any number.
+std::size_t count_fitting(std::size_t bytes_per_item) {
+  constexpr std::size_t kMost = 1'000'000;
+  const std::size_t limit = WorkMemory::of_process()->count_items(bytes_per_item, kMost);
+  return limit < kMost ? limit : 0;
+}
+
+/// A task in the trace of the process, if there is one.
+class TracedTask {
+ public:
+  TracedTask(std::size_t item, std::size_t step) : trace_(TaskTrace::of_process()) {
+    if (trace_ != nullptr) trace_->begin_task(item, step);
+  }
+  ~TracedTask() {
+    if (trace_ != nullptr) trace_->end_task();
+  }
+  TracedTask(const TracedTask&) = delete;
+  TracedTask& operator=(const TracedTask&) = delete;
+
+ private:
+  TaskTrace* trace_;
+};
+
 }  // namespace
 
 struct ThreadLimit::Impl {
@@ -72,9 +113,11 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
   const Handover before, after;
   const std::thread::id caller = std::this_thread::get_id();
   std::atomic<double> helped = 0;
+  const TracedLoop traced(count, 0, "a");
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     before.receive();
     const Handover::Sender ends(after);
+    const TracedTask task(i, 0);
     if (std::this_thread::get_id() == caller) return body(i);
     const double begun = task_cpu_seconds();
     body(i);
@@ -98,11 +141,15 @@ void run_pipeline(std::size_t count, const std::vector<PipelineStep>& steps, std
         control.stop();
         return 0;
       });
+  std::string orders;
   for (const PipelineStep& step : steps) {
+    const std::size_t number = orders.size();
+    orders += step.order == PipelineStep::Order::any ? 'a' : 'o';
     const bool any = step.order == PipelineStep::Order::any;
-    const auto call = [&all, &step](std::size_t i) DVI_UNCHECKED -> std::size_t {
+    const auto call = [&all, &step, number](std::size_t i) DVI_UNCHECKED -> std::size_t {
       all.receive();
       const Handover::Sender ends(all);
+      const TracedTask task(i, number);
       // A thread that waits inside must not begin another item: it would delay this one.
       tbb::this_task_arena::isolate([&] { step.call(i); });
       return i;
@@ -111,6 +158,7 @@ void run_pipeline(std::size_t count, const std::vector<PipelineStep>& steps, std
                         any ? tbb::filter_mode::parallel : tbb::filter_mode::serial_in_order, call);
   }
   const auto max_items = static_cast<std::size_t>(thread_count() + std::max(2, thread_count() / 4));
+  const TracedLoop traced(count, count_fitting(bytes_per_item), orders);
   tbb::parallel_pipeline(WorkMemory::of_process()->count_items(bytes_per_item, max_items),
                          chain & tbb::make_filter<std::size_t, void>(tbb::filter_mode::parallel, [](std::size_t) {}));
   all.receive();
@@ -119,7 +167,11 @@ void run_pipeline(std::size_t count, const std::vector<PipelineStep>& steps, std
 void for_blocks(std::size_t count, const std::function<void(std::size_t first, std::size_t last)>& body,
                 std::size_t bytes_per_item) {
   const std::size_t block = WorkMemory::of_process()->count_items(bytes_per_item, static_cast<std::size_t>(thread_count()));
-  for (std::size_t first = 0; first < count; first += block) body(first, std::min(first + block, count));
+  const TracedLoop traced(count, count_fitting(bytes_per_item), "b");
+  for (std::size_t first = 0; first < count; first += block) {
+    const TracedTask task(first, 0);
+    body(first, std::min(first + block, count));
+  }
 }
 
 void parallel_in_order(std::size_t count, const std::function<void(std::size_t)>& body, std::size_t bytes_per_item) {
