@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "dvi/core/threads.h"
 #include "dvi/drive/near_views.h"
 
 namespace dvi::depth {
@@ -50,9 +51,11 @@ std::vector<std::size_t> find_observed_points(const View& view, const SE3& world
 std::vector<std::size_t> choose_source_frames(const Target& target, const SearchRays& search, int count, int max_frame_gap) {
   const SE3 world_from_target = target.view().camera_from_world.inverse();
   const std::vector<std::size_t> candidates = list_candidates(target.views, target.index, max_frame_gap);
-  std::vector<std::vector<std::size_t>> observed;
-  for (const std::size_t view : candidates)
-    observed.push_back(find_observed_points(target.views[view], world_from_target, search, *target.visibility[view]));
+  std::vector<std::vector<std::size_t>> observed(candidates.size());
+  parallel_for(candidates.size(), [&](std::size_t i) {  // the visibility of a view takes as long as the rest of the target
+    const std::size_t view = candidates[i];
+    observed[i] = find_observed_points(target.views[view], world_from_target, search, *target.visibility[view]);
+  });
   // Greedy: each further observation of a point counts half as much as the one before.
   std::vector<double> weight(2 * search.rays.size(), 1);
   std::vector<std::size_t> out;

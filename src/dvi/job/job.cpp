@@ -96,6 +96,7 @@ OptionTable Job::table() {
       "not fit is paged to unlinked files in TMPDIR), a third for the images, scans, masks, and depth maps that are kept "
       "for further use, and a third, or what one frame needs, for the work in progress. Fewer frames than threads are "
       "processed at a time if they do not fit. A warning states the least memory for one frame.");
+  table.developer();
   table.add(
       "sections", sections, {0, 10000},
       "Cuts the drive into sections that are planned alone (dvi plan --section K/N, docs/scale.md); 0: one per 10,000 frames.");

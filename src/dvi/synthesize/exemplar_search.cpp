@@ -10,6 +10,8 @@
 #include <opencv2/core/hal/intrin.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/core/threads.h"
+
 namespace dvi::synthesize {
 namespace {
 
@@ -33,6 +35,7 @@ struct ExemplarParams {
 };
 constexpr ExemplarParams kExemplar;
 
+constexpr int kTilePx = 16;  ///< side of the tiles that threads take when exemplars are improved
 constexpr int kR = kExemplar.radius;
 constexpr int kSide = 2 * kR + 1;
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
@@ -65,8 +68,18 @@ cv::v_float32x4 load_color(const cv::Mat4f& image, cv::Point source, const Patch
 
 }  // namespace
 
-ExemplarSearch::ExemplarSearch(ExemplarLevel& level, Random& random)
-    : level_(level), random_(random), targets_(find_targets(level)), matches_(targets_.size()), usage_(level.size(), 0.0F) {
+ExemplarSearch::ExemplarSearch(ExemplarLevel& level, std::uint64_t seed)
+    : level_(level),
+      seed_(seed),
+      targets_(find_targets(level)),
+      matches_(targets_.size()),
+      tile_grid_((level.size().width - 1) / kTilePx + 1, (level.size().height - 1) / kTilePx + 1),
+      tiles_(static_cast<std::size_t>(tile_grid_.area())),
+      usage_(level.size(), 0.0F) {
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    const cv::Point tile = targets_.pixels[i] / kTilePx;
+    tiles_[static_cast<std::size_t>(tile.y * tile_grid_.width + tile.x)].push_back(i);
+  }
   prior_.reserve(targets_.size());
   for (const cv::Point p : targets_.pixels) prior_.push_back(level.prior(p));
   level.prior.release();
@@ -86,31 +99,65 @@ Region ExemplarSearch::find_targets(const ExemplarLevel& level) {
   return Region(cv::Mat1b(targets & (level.group != 0)));
 }
 
+/// Returns the random numbers of a target in this round.
+Random ExemplarSearch::random_of(std::size_t target) const {
+  constexpr std::uint64_t kRound = 0xD1B54A32D192ED03ULL, kTarget = 0x2545F4914F6CDD1DULL;  // odd: all products differ
+  return Random(seed_ + round_ * kRound + target * kTarget);
+}
+
+/// Calls a function for each target, in any order.
+void ExemplarSearch::for_each_target(const std::function<void(std::size_t)>& call) const {
+  parallel_for(tiles_.size(), [&](std::size_t tile) {
+    for (const std::size_t i : tiles_[tile]) call(i);
+  });
+}
+
+/// Calls a function for each target after its left and upper neighbors and before its right and lower ones, or the other way
+/// round: as in raster order, but the tiles of a diagonal are processed at the same time.
+void ExemplarSearch::for_each_in_order(bool forward, const std::function<void(std::size_t)>& call) const {
+  const int diagonals = tile_grid_.width + tile_grid_.height - 1;
+  for (int step = 0; step < diagonals; ++step) {
+    const int diagonal = forward ? step : diagonals - 1 - step;
+    const int first_row = std::max(0, diagonal - tile_grid_.width + 1), last_row = std::min(diagonal, tile_grid_.height - 1);
+    parallel_for(static_cast<std::size_t>(last_row - first_row + 1), [&](std::size_t k) {
+      const int row = first_row + static_cast<int>(k);
+      const std::vector<std::size_t>& tile = tiles_[static_cast<std::size_t>(row * tile_grid_.width + diagonal - row)];
+      if (forward)
+        for (const std::size_t i : tile) call(i);
+      else
+        for (auto i = tile.rbegin(); i != tile.rend(); ++i) call(*i);
+    });
+  }
+}
+
 void ExemplarSearch::start(const ExemplarSearch* coarser) {
-  for (std::size_t i = 0; i < targets_.size(); ++i) {
+  ++round_;
+  for_each_target([&](std::size_t i) {
+    Random random = random_of(i);
     const cv::Point p = targets_.pixels[i], half(p.x / 2, p.y / 2);
     const bool inherits = coarser && coarser->targets_.index(half) >= 0 && coarser->match(half).found();
     if (inherits) {
       const Exemplar& from = coarser->match(half);
       try_match(i, 2 * from.at + (p - 2 * half));
     }
-    for (int k = 0; k < kExemplar.tries && !matches_[i].found(); ++k) try_row(i);
-    for (int k = 0; k < kExemplar.tries && !matches_[i].found(); ++k) try_random(i);
-  }
+    for (int k = 0; k < kExemplar.tries && !matches_[i].found(); ++k) try_row(i, random);
+    for (int k = 0; k < kExemplar.tries && !matches_[i].found(); ++k) try_random(i, random);
+  });
 }
 
 void ExemplarSearch::improve(bool forward) {
-  for (std::size_t i = 0; i < targets_.size(); ++i) matches_[i].cost = kInfinite;
-  for (std::size_t k = 0; k < targets_.size(); ++k) {
-    const std::size_t i = forward ? k : targets_.size() - 1 - k;
+  ++round_;
+  for (Exemplar& match : matches_) match.cost = kInfinite;
+  for_each_in_order(forward, [&](std::size_t i) {
+    Random random = random_of(i);
     if (matches_[i].found()) {
       const cv::Point at = matches_[i].at;
       matches_[i].at = {-1, -1};
       try_match(i, at);
     }
     propagate(i, forward);
-    search(i);
-  }
+    search(i, random);
+  });
   if (level_.scale > kExemplar.fine_scale) count_usage();
 }
 
@@ -123,25 +170,36 @@ void ExemplarSearch::vote(int radius_px) {
   if (costs.empty()) return;
   std::nth_element(costs.begin(), costs.begin() + static_cast<std::ptrdiff_t>(costs.size() * 3 / 4), costs.end());
   const float sigma2 = std::max(costs[costs.size() * 3 / 4], 1.0F);
-  cv::Mat4f sum(level_.size(), cv::Vec4f());
-  cv::Mat1f weights(level_.size(), 0.0F);
-  for (std::size_t i = 0; i < targets_.size(); ++i) {
-    const Exemplar& match = matches_[i];
-    if (!match.found()) continue;
+  std::vector<PatchWarp> warps(targets_.size());
+  std::vector<float> weights(targets_.size(), 0.0F);
+  for_each_target([&](std::size_t i) {
+    if (!matches_[i].found()) return;
+    warps[i] = warp_of(targets_.pixels[i], matches_[i].at);
+    weights[i] = std::exp(-matches_[i].cost / (2 * sigma2)) + 1e-4F;
+  });
+  std::vector<cv::Vec4f> colors(targets_.size());
+  std::vector<char> voted(targets_.size(), 0);
+  for_each_target([&](std::size_t i) {
     const cv::Point p = targets_.pixels[i];
-    const PatchWarp warp = warp_of(p, match.at);
-    const float weight = std::exp(-match.cost / (2 * sigma2)) + 1e-4F;
+    if (level_.unknown(p) == 0) return;
+    cv::v_float32x4 sum = cv::v_setzero_f32();
+    float weight = 0;
     for (int y = -radius_px; y <= radius_px; ++y)
       for (int x = -radius_px; x <= radius_px; ++x) {
-        const cv::Point q = p + cv::Point(x, y);
-        if (!is_inside(q) || level_.unknown(q) == 0) continue;
-        const cv::v_float32x4 color = load_color(level_.color, match.at, warp, {x, y});
-        cv::v_store(sum(q).val, cv::v_load(sum(q).val) + cv::v_setall_f32(weight) * color);
-        weights(q) += weight;
+        const cv::Point center = p + cv::Point(x, y);
+        if (!is_inside(center) || targets_.index(center) < 0) continue;
+        const auto k = static_cast<std::size_t>(targets_.index(center));
+        if (!matches_[k].found()) continue;
+        sum = sum + cv::v_setall_f32(weights[k]) * load_color(level_.color, matches_[k].at, warps[k], {-x, -y});
+        weight += weights[k];
       }
-  }
-  for (const cv::Point p : targets_.pixels)
-    if (level_.unknown(p) != 0 && weights(p) > 0) level_.color(p) = sum(p) / weights(p);
+    if (weight <= 0) return;
+    cv::v_store(colors[i].val, sum);
+    colors[i] /= weight;
+    voted[i] = 1;
+  });
+  for (std::size_t i = 0; i < targets_.size(); ++i)
+    if (voted[i] != 0) level_.color(targets_.pixels[i]) = colors[i];
 }
 
 /// Returns the perspective of the ground, if both pixels are on it and their scales are similar; else the identity.
@@ -164,25 +222,26 @@ void ExemplarSearch::try_match(std::size_t i, cv::Point source) {
   if (cost < match.cost) match = {source, cost};
 }
 
-void ExemplarSearch::try_random(std::size_t i) {
+void ExemplarSearch::try_random(std::size_t i, Random& random) {
   const std::vector<cv::Point>& sources = sources_[level_.group(targets_.pixels[i])];
-  if (!sources.empty()) try_match(i, sources[random_.below(static_cast<int>(sources.size()))]);
+  if (!sources.empty()) try_match(i, sources[random.below(static_cast<int>(sources.size()))]);
 }
 
 /// Tries a position in the same row, where ground has the same scale.
-void ExemplarSearch::try_row(std::size_t i) {
-  try_match(i, {random_.below(level_.size().width), targets_.pixels[i].y + random_.below(5) - 2});
+void ExemplarSearch::try_row(std::size_t i, Random& random) {
+  const int x = random.below(level_.size().width);
+  try_match(i, {x, targets_.pixels[i].y + random.below(5) - 2});
 }
 
 /// Tries positions on the line along the road through the pixel.
-void ExemplarSearch::try_along_road(std::size_t i) {
+void ExemplarSearch::try_along_road(std::size_t i, Random& random) {
   const cv::Point p = targets_.pixels[i];
   const cv::Vec4f& slope = level_.slope(p);
   const float det = slope[0] * slope[3] - slope[2] * slope[1];
   cv::Point2f along(slope[3] / det, -slope[1] / det);
   along /= std::max({std::abs(along.x), std::abs(along.y), 1e-6F});
   for (int k = 0; k < 2; ++k) {
-    const float step = static_cast<float>(random_.uniform(-0.5, 0.5)) * static_cast<float>(level_.size().width);
+    const float step = static_cast<float>(random.uniform(-0.5, 0.5)) * static_cast<float>(level_.size().width);
     try_match(i, p + cv::Point(cvRound(step * along.x), cvRound(step * along.y)));
   }
 }
@@ -200,18 +259,19 @@ void ExemplarSearch::propagate(std::size_t i, bool forward) {
   }
 }
 
-void ExemplarSearch::search(std::size_t i) {
+void ExemplarSearch::search(std::size_t i, Random& random) {
   const cv::Point p = targets_.pixels[i];
   const bool coarse = level_.scale > kExemplar.fine_scale;
   for (int radius = coarse ? level_.size().width / 2 : kExemplar.fine_search_px; radius >= 1; radius /= 2) {
     const cv::Point from = matches_[i].found() ? matches_[i].at : p;
     const int high = std::min(radius, level_.size().height / 4);
-    try_match(i, from + cv::Point(random_.below(2 * radius + 1) - radius, random_.below(2 * high + 1) - high));
+    const int x = random.below(2 * radius + 1) - radius;
+    try_match(i, from + cv::Point(x, random.below(2 * high + 1) - high));
   }
-  if (coarse || !matches_[i].found()) try_row(i);
+  if (coarse || !matches_[i].found()) try_row(i, random);
   if (!coarse) return;
-  try_random(i);
-  if (level_.is_ground(p)) try_along_road(i);
+  try_random(i, random);
+  if (level_.is_ground(p)) try_along_road(i, random);
 }
 
 /// Computes the squared cost of the place of an exemplar, and of its usage.

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -33,10 +35,11 @@ struct Exemplar {
 };
 
 /// The search for the exemplars of all patches that have unknown pixels, at one level of the pyramid. It changes the colors of
-/// the level, which must outlive it, and takes its `prior`.
+/// the level, which must outlive it, and takes its `prior`. Its steps run on all threads; each patch has random numbers of its
+/// own, so that the result does not depend on their number.
 class ExemplarSearch {
  public:
-  ExemplarSearch(ExemplarLevel& level, Random& random);
+  ExemplarSearch(ExemplarLevel& level, std::uint64_t seed);
 
   /// Returns the centers of the patches.
   const Region& targets() const { return targets_; }
@@ -57,21 +60,28 @@ class ExemplarSearch {
   bool is_inside(cv::Point p) const { return cv::Rect({}, level_.size()).contains(p); }
   PatchWarp warp_of(cv::Point target, cv::Point source) const;
 
+  Random random_of(std::size_t target) const;
+  void for_each_target(const std::function<void(std::size_t i)>& call) const;
+  void for_each_in_order(bool forward, const std::function<void(std::size_t i)>& call) const;
+
   void try_match(std::size_t i, cv::Point source);
-  void try_random(std::size_t i);
-  void try_row(std::size_t i);
-  void try_along_road(std::size_t i);
+  void try_random(std::size_t i, Random& random);
+  void try_row(std::size_t i, Random& random);
+  void try_along_road(std::size_t i, Random& random);
   void propagate(std::size_t i, bool forward);
-  void search(std::size_t i);
+  void search(std::size_t i, Random& random);
 
   float cost_of_place(cv::Point target, cv::Point source, const PatchWarp& warp) const;
   float cost_of(cv::Point target, cv::Point source, float limit) const;
   void count_usage();
 
   ExemplarLevel& level_;
-  Random& random_;
+  std::uint64_t seed_;
+  std::uint64_t round_ = 0;  // number of calls of start() and improve()
   Region targets_;
   std::vector<Exemplar> matches_;                    // one per target
+  cv::Size tile_grid_;                               // columns and rows of tiles
+  std::vector<std::vector<std::size_t>> tiles_;      // targets of each tile in raster order, row by row
   std::vector<cv::Vec4f> prior_;                     // ExemplarLevel::prior of each target
   std::array<std::vector<cv::Point>, 256> sources_;  // centers of possible exemplars, by group
   cv::Mat1f usage_;                                  // how often a pixel is used, relative to the mean, minus 1

@@ -7,7 +7,6 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "dvi/core/random.h"
 #include "dvi/image/region.h"
 #include "dvi/synthesize/exemplar_level.h"
 #include "dvi/synthesize/exemplar_search.h"
@@ -79,11 +78,10 @@ void complete_from_exemplars(cv::Mat3f& color, const ExemplarMasks& masks, const
   finest.ground = guide.ground.clone();
   derive_level(finest);
   std::vector<ExemplarLevel> levels = make_levels(std::move(finest));
-  Random random(seed);
   std::optional<ExemplarSearch> coarser;
   const int count = static_cast<int>(levels.size());
   for (int k = count - 1; k >= 0; --k) {
-    ExemplarSearch search(levels[k], random);
+    ExemplarSearch search(levels[k], seed + static_cast<std::uint64_t>(k));
     search.start(coarser ? &*coarser : nullptr);
     coarser.reset();
     levels.resize(k + 1);  // the coarser levels are no longer needed
