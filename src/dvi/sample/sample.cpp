@@ -14,6 +14,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/core/threads.h"
 #include "dvi/drive/near_views.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/image/nearest_pixel.h"
@@ -35,6 +36,10 @@ uchar round_extent(double extent_px, float clearance_px) {
   return static_cast<uchar>(std::clamp(cvRound(extent_px), 1, std::min(kMaxExtentPx, clear)));
 }
 
+/// Source frames whose visibility is computed at the same time. More would be computed in vain for pixels that the first of
+/// them show well enough.
+constexpr std::size_t kSourcesAhead = 8;
+
 /// A source frame in which pixels of the target are searched.
 class Source {
  public:
@@ -47,15 +52,20 @@ class Source {
         visibility_(target.visibility),
         options_(options) {}
 
+  /// Returns whether a pixel projects into the image of the source.
+  bool contains(const SurfacePixel& pixel) const { return project(pixel).has_value(); }
+
+  /// Loads the visibility of the source, which find_candidate() needs if it contains a pixel.
+  void load_visibility() {
+    if (!visible_) visible_ = visibility_[number_];
+  }
+
   /// Returns the candidate for a pixel, or nothing if the source does not show it with a score above `min_score`.
   std::optional<Candidate> find_candidate(const SurfacePixel& pixel, float min_score) {
-    const bool is_other_sky = is_other_drive_ || source_from_target_.t.norm() > kSourceScore.max_sky_distance_m;
-    if (is_other_sky && pixel.at.z() >= depth::DepthMap::kInfinity) return std::nullopt;
-    const std::optional<SourcePosition> projection = locate(pixel, view_.camera, source_from_target_);
+    const std::optional<SourcePosition> projection = project(pixel);
     if (!projection) return std::nullopt;
     const cv::Point2f at = quantize(projection->position.x(), projection->position.y());
-    if (!view_.camera.contains({at.x, at.y})) return std::nullopt;
-    if (!visible_) visible_ = visibility_[number_];
+    load_visibility();
     if (visible_->is_masked(at)) return std::nullopt;
     const float clearance = visible_->clearance_px(at);
     if (options_.scored && static_cast<float>(max_score(seconds_, clearance)) <= min_score) return std::nullopt;
@@ -73,6 +83,15 @@ class Source {
   }
 
  private:
+  std::optional<SourcePosition> project(const SurfacePixel& pixel) const {
+    const bool is_other_sky = is_other_drive_ || source_from_target_.t.norm() > kSourceScore.max_sky_distance_m;
+    if (is_other_sky && pixel.at.z() >= depth::DepthMap::kInfinity) return std::nullopt;
+    std::optional<SourcePosition> projection = locate(pixel, view_.camera, source_from_target_);
+    if (!projection) return std::nullopt;
+    const cv::Point2f at = quantize(projection->position.x(), projection->position.y());
+    if (!view_.camera.contains({at.x, at.y})) projection.reset();
+    return projection;
+  }
   bool shows_surface(cv::Point2f at, double z, double sigma) const {
     const double off = depth::VisibilityMap::kMaxSigmas * sigma;
     return !visible_->occludes(at, z - off, options_.occlusion_tolerance) &&
@@ -209,16 +228,28 @@ Candidates sample(const depth::Target& target, const SampleOptions& options) {
   const std::vector<SurfacePixel> surface = find_surface_pixels(hole, target.view().camera, target.depth);
   std::vector<std::uint32_t> open(surface.size());  // pixels that may still find a better source
   std::iota(open.begin(), open.end(), 0U);
-  for (const std::size_t i : list_search_order(target.views, target.index, options)) {
-    // Later frames have lower scores, so that they cannot improve pixels whose candidates all have higher ones.
-    const double bound = options.scored ? max_score(seconds_between(target.views[i], target.view())) : 1;
-    std::erase_if(open, [&](std::uint32_t k) { return ranking.min_score(surface[k].pixel) >= bound; });
-    if (open.empty()) break;
-    Source source(target, i, options);
-    for (const std::uint32_t k : open) {
-      const std::size_t pixel = surface[k].pixel;
-      const std::optional<Candidate> candidate = source.find_candidate(surface[k], ranking.min_score(pixel));
-      if (candidate) ranking.add(pixel, *candidate);
+  const std::vector<std::size_t> order = list_search_order(target.views, target.index, options);
+  for (std::size_t first = 0; first < order.size() && !open.empty(); first += kSourcesAhead) {
+    std::vector<Source> sources;
+    std::vector<double> bounds;
+    for (std::size_t k = first; k < std::min(first + kSourcesAhead, order.size()); ++k) {
+      sources.emplace_back(target, order[k], options);
+      bounds.push_back(options.scored ? max_score(seconds_between(target.views[order[k]], target.view())) : 1);
+    }
+    parallel_for(sources.size(), [&](std::size_t k) {
+      const auto needs = [&](std::uint32_t i) {
+        return ranking.min_score(surface[i].pixel) < bounds[k] && sources[k].contains(surface[i]);
+      };
+      if (std::any_of(open.begin(), open.end(), needs)) sources[k].load_visibility();
+    });
+    for (std::size_t k = 0; k < sources.size() && !open.empty(); ++k) {
+      // Later frames have lower scores, so that they cannot improve pixels whose candidates all have higher ones.
+      std::erase_if(open, [&](std::uint32_t i) { return ranking.min_score(surface[i].pixel) >= bounds[k]; });
+      for (const std::uint32_t i : open) {
+        const std::size_t pixel = surface[i].pixel;
+        const std::optional<Candidate> candidate = sources[k].find_candidate(surface[i], ranking.min_score(pixel));
+        if (candidate) ranking.add(pixel, *candidate);
+      }
     }
   }
   return ranking.finish(std::move(hole));
