@@ -1,7 +1,9 @@
 #include "dvi/inputs/recordings.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <functional>
+#include <limits>
 #include <set>
 
 #include <fmt/format.h>
@@ -275,6 +277,19 @@ std::vector<std::string> verify(const Recordings& drives, const job::Job& job, P
   progress.end();
   for (const std::string& warning : warnings) progress.warn(warning);
   return warnings;
+}
+
+void require_source_numbers(const Recordings& drives) {
+  constexpr std::size_t kMost = std::numeric_limits<std::uint16_t>::max() - 1;
+  std::size_t images = 0;
+  for (const Recording& open : drives) images += open.drive.frames.size();
+  if (images > kMost)
+    throw InputError(
+        drives.front().drive.path,
+        fmt::format("has {} images with those of its other cameras and source drives; at most {} can be numbered as "
+                    "sources",
+                    images, kMost),
+        "limit the frames (--frames A:B) or the cameras (--sources NAME,NAME or none)");
 }
 
 std::vector<fs::path> files_of(const Recording& open) {

@@ -68,6 +68,15 @@ TEST_F(OpenedDrive, WarnsIfTheRangeExcludesManyReturns) {
   EXPECT_TRUE(verify(drives, job, progress).empty());
 }
 
+TEST(SourceNumbers, HaveSixteenBits) {
+  Recordings drives(2);
+  drives[0].drive.frames.resize(65'000);
+  drives[1].drive.frames.resize(534);
+  EXPECT_NO_THROW(require_source_numbers(drives));
+  drives[1].drive.frames.resize(535);
+  EXPECT_THROW(require_source_numbers(drives), InputError);
+}
+
 TEST_F(OpenedDrive, WarnsOfATruncatedScan) {
   std::string points;
   for (int i = 0; i < 20; ++i) {

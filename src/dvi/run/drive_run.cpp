@@ -166,7 +166,10 @@ StaticMap DriveRun::load_map() const {
 
 Recordings DriveRun::open_drives() const {
   progress_.plan(plan_run_stages(job_));
-  return inputs::add_other_cameras(inputs::open_recordings(job_, inputs::MaskNeed::required, progress_), job_, progress_);
+  Recordings drives =
+      inputs::add_other_cameras(inputs::open_recordings(job_, inputs::MaskNeed::required, progress_), job_, progress_);
+  inputs::require_source_numbers(drives);
+  return drives;
 }
 
 Poses DriveRun::estimate_poses() const {

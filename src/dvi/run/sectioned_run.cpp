@@ -30,7 +30,10 @@ using sections::PlannedSection, sections::Section;
 
 inputs::Recordings open_whole(const job::Job& job) {
   Progress silent(ProgressStyle::quiet);  // each section reports the warnings of the drive
-  return inputs::add_other_cameras(inputs::open_recordings(job, inputs::MaskNeed::required, silent), job, silent);
+  inputs::Recordings drives =
+      inputs::add_other_cameras(inputs::open_recordings(job, inputs::MaskNeed::required, silent), job, silent);
+  inputs::require_source_numbers(drives);
+  return drives;
 }
 
 /// Repeats the warnings of sections, each once, with the sections that it is about unless it is about all.
