@@ -30,18 +30,8 @@ struct ScanSums {
   void add(const FilteredScan& scan, std::size_t drive, std::int64_t time_ns);
 };
 
-void add(MapCounts& sum, const MapCounts& more) {
-  sum.returns += more.returns;
-  sum.masked += more.masked;
-  sum.boxed += more.boxed;
-  sum.unseen_by_camera += more.unseen_by_camera;
-  sum.too_near += more.too_near;
-  sum.scans += more.scans;
-  sum.scans_without_pose += more.scans_without_pose;
-}
-
 void ScanSums::add(const FilteredScan& scan, std::size_t drive, std::int64_t time_ns) {
-  dvi::map::add(counts, scan.counts);
+  counts += scan.counts;
   for (const RemovedPoint& point : scan.removed) {
     RemovedVoxel& voxel = removed.at(point.position.cast<double>());
     voxel.cause = std::max(voxel.cause, point.cause);

@@ -52,6 +52,18 @@ struct MapCounts {
   std::size_t moved = 0;             ///< dropped: rays of other scans passed through them
   std::size_t too_near = 0;          ///< dropped: out of range, for example on the ego vehicle
   std::size_t scans = 0, scans_without_pose = 0;
+
+  MapCounts& operator+=(const MapCounts& more) {
+    returns += more.returns;
+    masked += more.masked;
+    boxed += more.boxed;
+    unseen_by_camera += more.unseen_by_camera;
+    moved += more.moved;
+    too_near += more.too_near;
+    scans += more.scans;
+    scans_without_pose += more.scans_without_pose;
+    return *this;
+  }
 };
 
 /// The static points, in tiles, so that a view can skip tiles outside it.

@@ -107,17 +107,6 @@ void add_scans(const StaticMap& from, const Part& part, StaticMap& joint) {
   }
 }
 
-void add_counts(const map::MapCounts& more, map::MapCounts& sum) {
-  sum.returns += more.returns;
-  sum.masked += more.masked;
-  sum.boxed += more.boxed;
-  sum.unseen_by_camera += more.unseen_by_camera;
-  sum.moved += more.moved;
-  sum.too_near += more.too_near;
-  sum.scans += more.scans;
-  sum.scans_without_pose += more.scans_without_pose;
-}
-
 }  // namespace
 
 StaticMap join_maps(const std::vector<PlannedSection>& sections, const inputs::Poses& poses, const std::vector<Border>& borders,
@@ -129,7 +118,7 @@ StaticMap join_maps(const std::vector<PlannedSection>& sections, const inputs::P
     add_points(map, part, joint);
     add_removed(map, part, joint);
     add_scans(map, part, joint);
-    add_counts(map.counts, joint.counts);
+    joint.counts += map.counts;
     joint.page_out();
   }
   return joint;
