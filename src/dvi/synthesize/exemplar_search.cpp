@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <ranges>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -78,7 +79,7 @@ ExemplarSearch::ExemplarSearch(ExemplarLevel& level, std::uint64_t seed)
       usage_(level.size(), 0.0F) {
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     const cv::Point tile = targets_.pixels[i] / kTilePx;
-    tiles_[static_cast<std::size_t>(tile.y * tile_grid_.width + tile.x)].push_back(i);
+    tiles_[tile_index(tile)].push_back(i);
   }
   prior_.reserve(targets_.size());
   for (const cv::Point p : targets_.pixels) prior_.push_back(level.prior(p));
@@ -119,13 +120,14 @@ void ExemplarSearch::for_each_in_order(bool forward, const std::function<void(st
   for (int step = 0; step < diagonals; ++step) {
     const int diagonal = forward ? step : diagonals - 1 - step;
     const int first_row = std::max(0, diagonal - tile_grid_.width + 1), last_row = std::min(diagonal, tile_grid_.height - 1);
-    parallel_for(static_cast<std::size_t>(last_row - first_row + 1), [&](std::size_t k) {
+    const int rows = last_row - first_row + 1;
+    parallel_for(static_cast<std::size_t>(rows), [&](std::size_t k) {
       const int row = first_row + static_cast<int>(k);
-      const std::vector<std::size_t>& tile = tiles_[static_cast<std::size_t>(row * tile_grid_.width + diagonal - row)];
+      const std::vector<std::size_t>& tile = tiles_[tile_index({diagonal - row, row})];
       if (forward)
         for (const std::size_t i : tile) call(i);
       else
-        for (auto i = tile.rbegin(); i != tile.rend(); ++i) call(*i);
+        for (const std::size_t i : std::views::reverse(tile)) call(i);
     });
   }
 }

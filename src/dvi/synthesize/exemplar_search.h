@@ -58,6 +58,9 @@ class ExemplarSearch {
  private:
   static Region find_targets(const ExemplarLevel& level);
   bool is_inside(cv::Point p) const { return cv::Rect({}, level_.size()).contains(p); }
+  std::size_t tile_index(cv::Point tile) const {
+    return static_cast<std::size_t>(tile.y) * static_cast<std::size_t>(tile_grid_.width) + static_cast<std::size_t>(tile.x);
+  }
   PatchWarp warp_of(cv::Point target, cv::Point source) const;
 
   Random random_of(std::size_t target) const;
