@@ -50,9 +50,9 @@ FillContext::FillContext(const StaticMap& map, const Views& views, const job::Op
 
 void DriveRun::plan(StageCache::Missing missing) { compute_stages(missing, {}); }
 
-void DriveRun::load_plan(const MaskOfView& mask_of) { compute_stages(StageCache::Missing::refuse, mask_of); }
+void DriveRun::load_plan(const ReplaceMasks& replace_masks) { compute_stages(StageCache::Missing::refuse, replace_masks); }
 
-void DriveRun::compute_stages(StageCache::Missing missing, const MaskOfView& mask_of) {
+void DriveRun::compute_stages(StageCache::Missing missing, const ReplaceMasks& replace_masks) {
   const StageCache stages = folder_.make_stage_cache(progress_, missing);
   poses_ = stages.load_or_compute("poses", [&] { return estimate_poses(); });  // 3.1: LOAM, 3.5: further drives
   const Evidence evidence = inputs::collect_evidence(drives_, poses_);
@@ -67,9 +67,7 @@ void DriveRun::compute_stages(StageCache::Missing missing, const MaskOfView& mas
   const Gains gains = stages.load_or_compute("exposure", [&] { return estimate_exposure(refine, progress_); });
   cameras_ = stages.load_or_compute("alignment", [&] { return align(refine, progress_); });  // 3.1, eq. 1
   views_ = inputs::refine_views(posed, gains, cameras_);
-  if (mask_of)
-    views_.masks = Lazy<cv::Mat1b>::through(
-        views_.size(), [mask_of, planned = posed.masks](std::size_t view) { return mask_of(view, planned); });
+  if (replace_masks) views_.masks = replace_masks(views_);
   context_.emplace(map_, views_, options_, cpu_);
   harmonized_ = Lazy<HarmonizedFrame>(frames(), [this](std::size_t frame) { return harmonize(frame); });
   if (is_synthesized(options_))

@@ -53,9 +53,9 @@ class DriveRun {
   /// Computes each stage before the fill, or loads it from the cache.
   void plan(result::StageCache::Missing missing = result::StageCache::Missing::compute);
 
-  /// Loads the plan as plan() does, and fills with other masks than those of the plan, one per view.
-  using MaskOfView = std::function<std::shared_ptr<const cv::Mat1b>(std::size_t view, const Lazy<cv::Mat1b>& planned)>;
-  void load_plan(const MaskOfView& mask_of);
+  /// Loads the plan as plan() does, and replaces the masks of its views, one per view.
+  using ReplaceMasks = std::function<Lazy<cv::Mat1b>(const Views& planned)>;
+  void load_plan(const ReplaceMasks& replace_masks);
 
   /// Fills one frame of the target, given by its view.
   result::FilledView fill(std::size_t frame) const;
@@ -83,7 +83,7 @@ class DriveRun {
   result::CpuClock& cpu() { return cpu_; }
 
  private:
-  void compute_stages(result::StageCache::Missing missing, const MaskOfView& mask_of);
+  void compute_stages(result::StageCache::Missing missing, const ReplaceMasks& replace_masks);
   inputs::Recordings open_drives() const;
   inputs::Poses estimate_poses() const;
   map::StaticMap build_map() const;

@@ -149,6 +149,7 @@ FillReport fill(const job::Job& job, const std::optional<FrameRange>& range, Pro
   const result::PlanManifest plan = result::read_plan(job.out);
   if (plan.sections > 1) {
     SectionedRun run(job, plan.sections, progress);
+    run.open_folder();
     run.use_plan_to_fill();
     return fill_range(run, job, range, progress);
   }

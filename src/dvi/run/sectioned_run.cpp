@@ -153,7 +153,6 @@ std::vector<PlannedSection> SectionedRun::load_sections(Progress& progress) cons
 }
 
 void SectionedRun::open_folder() {
-  folder_.reset();
   result::require_planned_sections(job_.out, sections_.size());
   folder_.emplace(job_, drives_, result::content_of_sections(job_.out, sections_.size()));
 }
@@ -189,13 +188,11 @@ void SectionedRun::join() {
 }
 
 void SectionedRun::use_plan_to_fill() {
-  open_folder();
   folder_->join();
   load_joint(StageCache::Missing::refuse);
 }
 
 void SectionedRun::use_plan_to_finish() {
-  open_folder();
   folder_->claim_plan();
   load_joint(StageCache::Missing::refuse);
 }
@@ -204,12 +201,15 @@ void SectionedRun::fill_section(const Section& section, const std::vector<std::s
                                 const result::FinishedFrame& done) {
   SectionRun own = open_planned(section);
   own.run.folder().join();
-  const std::vector<std::size_t> numbers = sections::number_views(own.run.load_section(section), views_, drives_);
-  // Near the ends of a section, its masks are less complete than those of the neighbor that fills these frames.
-  own.run.load_plan([&](std::size_t view, const Lazy<cv::Mat1b>& planned) {
-    const View& of_drive = views_[numbers[view]];
-    const bool is_own = of_drive.drive != 0 || section_of(of_drive) + 1 == section.number;
-    return is_own ? planned[view] : views_.masks[numbers[view]];
+  std::vector<std::size_t> numbers;
+  own.run.load_plan([&](const Views& planned) {
+    numbers = sections::number_views({planned, own.run.drives()}, {views_, drives_});
+    // Near the ends of a section, its masks are less complete than those of the neighbor that fills these frames.
+    return Lazy<cv::Mat1b>::through(planned.size(), [&, drawn = planned.masks](std::size_t view) {
+      const View& of_drive = views_[numbers[view]];
+      const bool is_own = of_drive.drive != 0 || section_of(of_drive) + 1 == section.number;
+      return is_own ? drawn[view] : views_.masks[numbers[view]];
+    });
   });
   std::map<std::size_t, std::size_t> local_of;
   for (std::size_t i = 0; i < numbers.size(); ++i) local_of[numbers[i]] = i;

@@ -28,7 +28,9 @@ class SectionedRun {
 
   /// Opens the folder of the whole drive. Throws InputError if a section is not planned, or if sections do not belong together.
   void open_folder();
-  /// Joins the plans of the sections, or loads the joint plan. Needs open_folder().
+  // The following need open_folder().
+
+  /// Joins the plans of the sections, or loads the joint plan.
   void join();
   /// Uses the joint plan to fill frames together with other processes, or to finish the result alone.
   void use_plan_to_fill();

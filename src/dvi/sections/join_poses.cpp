@@ -16,6 +16,9 @@ namespace {
 
 using inputs::DrivePoses, inputs::Poses, inputs::PoseChoice, inputs::Recordings;
 
+/// The largest RMS differences between the poses of two sections in their overlap without a warning.
+constexpr double kMaxDisagreementM = 0.5, kMaxDisagreementDeg = 0.5;
+
 /// Parameters of the search for places that several sections show.
 struct ReturnParams {
   double step_m = 10;    ///< between compared positions

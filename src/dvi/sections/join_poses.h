@@ -8,9 +8,6 @@
 
 namespace dvi::sections {
 
-/// Two sections disagree about the overlap by at least this; a warning reports it.
-inline constexpr double kMaxDisagreementM = 0.5, kMaxDisagreementDeg = 0.5;
-
 /// Joins the poses of all sections in the world of the first one, with one entry per recording of the whole drive. Each section
 /// is aligned to the one before it by their poses in the overlap (rotation and translation). Near a border, poses change from
 /// one section to the other gradually, so that the path has no step. Warns if sections disagree about an overlap, or if the

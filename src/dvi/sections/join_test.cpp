@@ -212,7 +212,7 @@ TEST_F(Join, CamerasKeepTheirRefinement) {
 
 TEST_F(Join, ViewsHaveNumbersOfTheWholeDrive) {
   const Views views = joint_views(join());
-  const std::vector<std::size_t> numbers = number_views(sections[1], views, drives);
+  const std::vector<std::size_t> numbers = number_views({sections[1].views, sections[1].drives}, {views, drives});
   ASSERT_EQ(numbers.size(), 30U);
   EXPECT_EQ(numbers.front(), 10U);
   EXPECT_EQ(numbers.back(), 39U);

@@ -29,7 +29,7 @@ const std::string& frame_name(const Recordings& drives, const View& view) {
 }
 
 /// Returns the views of a section by name; recordings that the whole drive lacks are left out.
-std::map<ViewName, std::size_t> name_views(const PlannedSection& section, const Recordings& drives) {
+std::map<ViewName, std::size_t> name_views(const RecordedViews& section, const Recordings& drives) {
   std::map<ViewName, std::size_t> names;
   for (std::size_t i = 0; i < section.views.size(); ++i) {
     const View& view = section.views[i];
@@ -42,7 +42,7 @@ std::map<ViewName, std::size_t> name_views(const PlannedSection& section, const 
 std::vector<std::map<ViewName, std::size_t>> name_all_views(const std::vector<PlannedSection>& sections,
                                                             const Recordings& drives) {
   std::vector<std::map<ViewName, std::size_t>> names;
-  for (const PlannedSection& section : sections) names.push_back(name_views(section, drives));
+  for (const PlannedSection& section : sections) names.push_back(name_views({section.views, section.drives}, drives));
   return names;
 }
 
@@ -78,19 +78,17 @@ std::vector<ViewSource> find_view_sources(const JointViews& joint) {
   return sources;
 }
 
-std::vector<std::size_t> number_views(const PlannedSection& section, const Views& joint, const Recordings& drives) {
-  std::map<ViewName, std::size_t> joint_names;
-  for (std::size_t i = 0; i < joint.size(); ++i)
-    joint_names.emplace(ViewName{static_cast<std::size_t>(joint[i].sequence), frame_name(drives, joint[i])}, i);
+std::vector<std::size_t> number_views(const RecordedViews& section, const RecordedViews& joint) {
+  const std::map<ViewName, std::size_t> joint_names = name_views(joint, joint.drives);
   std::vector<std::size_t> numbers(section.views.size());
-  const std::map<ViewName, std::size_t> own = name_views(section, drives);
+  const std::map<ViewName, std::size_t> own = name_views(section, joint.drives);
   if (own.size() != section.views.size())
-    throw InputError(section.target().path, "has other cameras or source drives than its section", "plan again");
+    throw InputError(section.drives.front().drive.path, "has other cameras or source drives than its section", "plan again");
   for (const auto& [name, view] : own) {
     const auto found = joint_names.find(name);
     if (found == joint_names.end())
-      throw InputError(drives[name.first].drive.path,
-                       fmt::format("frame {} has a pose in section {} only", name.second, section.section.number),
+      throw InputError(joint.drives[name.first].drive.path,
+                       fmt::format("frame {} has a pose in one section, but none in the joint plan", name.second),
                        "plan with another number of sections");
     numbers[view] = found->second;
   }

@@ -25,8 +25,14 @@ struct JointViews {
 /// ends of its sequence. Throws InputError if no section has the view.
 std::vector<ViewSource> find_view_sources(const JointViews& joint);
 
+/// Views with the recordings that their sequences refer to. Holds references only.
+struct RecordedViews {
+  const Views& views;
+  const inputs::Recordings& drives;
+};
+
 /// Returns the index in `joint` of each view of a section. Throws InputError if a view is missing there.
-std::vector<std::size_t> number_views(const PlannedSection& section, const Views& joint, const inputs::Recordings& drives);
+std::vector<std::size_t> number_views(const RecordedViews& section, const RecordedViews& joint);
 
 /// Joins the gains. Gains are relative to the mean of a section; the factor between neighbors is the mean ratio of the gains of
 /// the views that both have.
