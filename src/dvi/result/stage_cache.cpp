@@ -34,18 +34,19 @@ void remove_stages(const fs::path& out) {
 
 StageCache::StageCache(fs::path out, std::string fingerprint, Progress& progress, Missing missing)
     : out_(std::move(out)), fingerprint_(std::move(fingerprint)), progress_(progress), missing_(missing) {
-  if (missing_ == Missing::compute) {
-    make_folder(out_ / kFolder);
-    remove_temporaries(out_ / kFolder);
-  }
+  if (missing_ == Missing::refuse) return;
+  make_folder(out_ / kFolder);
+  remove_temporaries(out_ / kFolder);
   for (const std::string& name : list_cached_stages(out_))
     if (is_confirmed(manifest_of(out_, name), fingerprint_, out_)) valid_.insert(name);
-  if (!valid_.empty() && missing_ == Missing::compute)
-    progress_.note(fmt::format("{} of an earlier call are used", fmt::join(valid_, ", ")));
+  if (!valid_.empty()) progress_.note(fmt::format("{} of an earlier call are used", fmt::join(valid_, ", ")));
 }
 
 bool StageCache::read(const std::string& name, const std::function<void(ArchiveReader&)>& read_result) const {
-  if (!valid_.contains(name)) return false;
+  // Stages that are not computed are verified when they are read: a map is large, and not every caller reads it.
+  const bool is_valid =
+      missing_ == Missing::refuse ? is_confirmed(manifest_of(out_, name), fingerprint_, out_) : valid_.contains(name);
+  if (!is_valid) return false;
   progress_.begin("load " + name, 0);
   std::vector<std::string> warnings;
   try {

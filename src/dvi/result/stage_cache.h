@@ -20,8 +20,8 @@ class StageCache {
   /// The treatment of stages that are not cached: they are computed, or refused with an InputError.
   enum class Missing { compute, refuse };
 
-  /// Lists the cached stages that have this fingerprint, and reports them with `progress`. `fingerprint` identifies everything
-  /// that the stages depend on.
+  /// Lists the cached stages that have this fingerprint, and reports them with `progress`, if missing stages are computed.
+  /// `fingerprint` identifies everything that the stages depend on.
   StageCache(fs::path out, std::string fingerprint, Progress& progress, Missing missing = Missing::compute);
 
   /// Returns the cached result of the stage `name`, and repeats its warnings. If it is not cached, calls `make`, and saves the
@@ -51,7 +51,7 @@ class StageCache {
   const fs::path out_;
   const std::string fingerprint_;
   Progress& progress_;
-  std::set<std::string> valid_;  // names
+  std::set<std::string> valid_;  // names, if missing stages are computed
   const Missing missing_;
 };
 
