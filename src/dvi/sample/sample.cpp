@@ -236,13 +236,17 @@ Candidates sample(const depth::Target& target, const SampleOptions& options) {
       sources.emplace_back(target, order[k], options);
       bounds.push_back(options.scored ? max_score(seconds_between(target.views[order[k]], target.view())) : 1);
     }
+    std::vector<char> is_needed(sources.size(), 0);
     parallel_for(sources.size(), [&](std::size_t k) {
       const auto needs = [&](std::uint32_t i) {
         return ranking.min_score(surface[i].pixel) < bounds[k] && sources[k].contains(surface[i]);
       };
-      if (std::any_of(open.begin(), open.end(), needs)) sources[k].load_visibility();
+      if (std::none_of(open.begin(), open.end(), needs)) return;
+      sources[k].load_visibility();
+      is_needed[k] = 1;
     });
     for (std::size_t k = 0; k < sources.size() && !open.empty(); ++k) {
+      if (is_needed[k] == 0) continue;
       // Later frames have lower scores, so that they cannot improve pixels whose candidates all have higher ones.
       std::erase_if(open, [&](std::uint32_t i) { return ranking.min_score(surface[i].pixel) >= bounds[k]; });
       for (const std::uint32_t i : open) {
