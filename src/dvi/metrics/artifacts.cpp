@@ -136,9 +136,7 @@ Artifacts count_artifacts(const fs::path& out, const std::vector<std::string>& n
     counts.flashes = count_pixels(cv::Mat1b(flashing & mask)),
     counts.ring_flashes = count_pixels(cv::Mat1b(flashing & boundary));
   };
-  const std::size_t bytes =
-      names.empty() ? 0 : media::estimate_image_bytes(out / "frames" / (names[0] + ".png"), kArtifactBytesPerPixel);
-  parallel_in_order(names.size(), count, bytes);
+  parallel_in_order(names.size(), count, media::estimate_image_bytes(out / "frames", names, kArtifactBytesPerPixel));
   Artifacts sum;
   for (const Artifacts& counts : found) sum += counts;
   return sum;

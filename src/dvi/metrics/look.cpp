@@ -274,9 +274,7 @@ std::optional<Look> measure_look(const fs::path& out, const std::vector<std::str
     look.frames[i] = load_and_measure(out, names[i], filled);
     tick();
   };
-  const std::size_t bytes =
-      names.empty() ? 0 : media::estimate_image_bytes(out / "frames" / (names[0] + ".png"), kLookBytesPerPixel);
-  parallel_in_order(names.size(), measure, bytes);
+  parallel_in_order(names.size(), measure, media::estimate_image_bytes(out / "frames", names, kLookBytesPerPixel));
   for (const LookFrame& frame : look.frames) look.total += frame.sums;
   return look.total.pixels > 0 ? std::optional(std::move(look)) : std::nullopt;
 }

@@ -117,7 +117,7 @@ class ReportWriter {
           add(frame.unobserved, unobserved);
           tick();
         },
-        names_.empty() ? 0 : media::estimate_image_bytes(out_ / "kind" / (names_[0] + ".png"), kReportBytesPerPixel));
+        media::estimate_image_bytes(out_ / "kind", names_, kReportBytesPerPixel));
     write_sources();
     for (const PageFile& file : get_page_files())
       if (file.name != "report.html") write(std::string("report/") + std::string(file.name), std::string(file.bytes));
