@@ -61,7 +61,7 @@ Coverage predict_coverage(const Views& views, const map::StaticMap& map, Coverag
   median_px = median_px >= 3 ? std::max(3, median_px / options.step) : 0;
   options.sample.sources = 1;
   const depth::Depths depths(coarse, [&](std::size_t i) { return depth::compute_depth_map(map, coarse[i], options.depth); });
-  const std::size_t frames = coarse.of_sequence(0).second;
+  const std::size_t frames = coarse.targets();
   std::vector<HoleCount> counts(frames);
   parallel_in_order(frames, [&](std::size_t i) {
     const depth::DepthMap depth = depths.make_map(i);

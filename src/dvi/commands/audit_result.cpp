@@ -194,7 +194,7 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
   Views views = make_listed_views(sources, open, given.masks, out);
   for (std::size_t i = 0; i < sources.size(); ++i) views.views[i].gain = sources[i].gain;
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < views.of_sequence(0).second; ++i) names.push_back(sources[i].frame);
+  for (std::size_t i = 0; i < views.targets(); ++i) names.push_back(sources[i].frame);
   views.masks = collect_run_masks(views, names, relate_masks(given), out);
 
   progress.begin("audit", names.size());

@@ -52,7 +52,7 @@ CoverageReport estimate_coverage(const inputs::Inputs& inputs, const job::Job& j
   const map::StaticMap map = run::build_map(inputs, job.options.map, progress);
   const Drive& target = inputs.drives.front().drive;
   const int step = target.camera.width < kMinCoarseWidthPx ? 1 : 2;
-  progress.begin("forecast", views.of_sequence(0).second);
+  progress.begin("forecast", views.targets());
   const audit::Coverage found =
       audit::predict_coverage(views, map, {job.options.depth, job.options.sample, step}, progress.tick());
   progress.end();

@@ -20,7 +20,7 @@ namespace dvi {
 /// A posed image: one frame of a sequence, which has the images of one camera on one drive. After the map is built, stages use
 /// views only, independent of their drive and camera.
 struct View {
-  int sequence = 0;       ///< 0 is that of the target
+  int sequence = 0;       ///< 0 is that of the target's first camera
   std::size_t frame = 0;  ///< index in the sequence
   std::int64_t time_ns = 0;
   Camera camera;
@@ -43,10 +43,11 @@ inline cv::Vec3f gain_to(const View& target, const View& source) { return gain_t
 /// compared.
 inline bool shares_colors(const View& a, const View& b) { return a.gray == b.gray; }
 
-/// All views: those of the target in order of time, then those of each other sequence. The index of a view is its source
-/// number.
+/// All views: those of the target's cleaned cameras, each in order of time, then those of each other sequence. The index of a
+/// view is its source number.
 struct Views {
   std::vector<View> views;
+  int cleaned_sequences = 1;                 ///< the first sequences, whose views are filled
   Lazy<cv::Mat3b> images;                    ///< one per view
   Lazy<cv::Mat1b> masks;                     ///< one per view; 255 = remove
   Lazy<std::vector<ImageReturn>> returns{};  ///< one per view: the returns of the scan taken with it; empty: unknown
@@ -63,6 +64,8 @@ struct Views {
     };
     return {begin_of(sequence), begin_of(sequence + 1)};
   }
+  /// Returns the number of views that are filled: [0, targets()).
+  std::size_t targets() const { return of_sequence(cleaned_sequences - 1).second; }
 };
 
 }  // namespace dvi

@@ -244,7 +244,7 @@ std::string ResultFolder::frame_name(const Views& views, std::size_t view) const
 }
 
 std::vector<std::size_t> ResultFolder::find_missing_frames(const Views& views, Progress& progress) {
-  const std::size_t count = views.of_sequence(0).second;
+  const std::size_t count = views.targets();
   for (std::size_t i = 0; i < count; ++i) names_.push_back(frame_name(views, i));
   std::vector<char> finished(count), stale(count), imported(count);
   parallel_for(count, [&](std::size_t i) {

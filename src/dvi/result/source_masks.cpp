@@ -9,7 +9,7 @@ namespace dvi::result {
 std::string source_mask_file(std::size_t number) { return fmt::format(".dvi/masks/{:06d}.png", number); }
 
 std::vector<std::string> SourceMasks::write(const cv::Mat_<cv::Vec3w>& provenance) {
-  const std::size_t own = views_.of_sequence(0).second;
+  const std::size_t own = views_.targets();
   std::set<std::size_t> sources;
   for (const cv::Vec3w& from : provenance)
     if (from[0] > own) sources.insert(from[0] - std::size_t{1});

@@ -129,7 +129,7 @@ void DriveRun::fill_frames(const std::vector<std::size_t>& frames, const result:
 }
 
 void DriveRun::write_frames(const std::vector<std::size_t>& frames, const WriteFrame& write) {
-  for_each_smoothed(frames, this->frames(),
+  for_each_smoothed(frames, views_,
                     {.fill = [&](std::size_t frame) { return fill(frame); },
                      .smoothing = make_smoothing(options_.smooth, cpu_),  // 3.6
                      .write = write,

@@ -75,7 +75,7 @@ class DriveRun {
   std::vector<std::size_t> find_missing_frames() { return folder_.find_missing_frames(views_, progress_); }
   const inputs::Recordings& drives() const { return drives_; }
   const Views& views() const { return views_; }
-  std::size_t frames() const { return views_.of_sequence(0).second; }
+  std::size_t frames() const { return views_.targets(); }
   /// Returns the number of a frame in the drive.
   int number_of(std::size_t frame) const { return drives_.front().drive.frames[views_[frame].frame].number; }
   /// Returns the memory that a frame in progress takes.

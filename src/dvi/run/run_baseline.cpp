@@ -43,7 +43,7 @@ result::RunReport run_baseline(const job::Job& job, Progress& progress, const Fr
     progress.advance();
   };
   progress.begin("fill", missing.size());
-  for_each_smoothed(missing, views.of_sequence(0).second,
+  for_each_smoothed(missing, views,
                     {.fill = make_filler(job, views, cpu),
                      .smoothing = make_smoothing(job.options.smooth, cpu),
                      .write = out.make_writer(views, cameras, cpu, finish_frame)});

@@ -1,29 +1,56 @@
 #include "dvi/run/smoothed_frames.h"
 
 #include <algorithm>
+#include <limits>
+#include <map>
 #include <memory>
 #include <set>
+#include <utility>
 
 #include "dvi/core/threads.h"
 
 namespace dvi::run {
 namespace {
 
-/// A frame in progress. The next item of the pipeline completes it.
+constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+
+/// A frame in progress, as an item of the pipeline. The next item of its sequence completes it.
 struct ItemInProgress {
+  std::size_t view = 0;
+  std::size_t previous = kNone, next = kNone;  ///< Items of the frames before and after it that are filled.
+  bool is_written = false;                     ///< Otherwise, it is only filled for its neighbors.
   std::shared_ptr<const result::FilledView> filled;
   std::shared_ptr<const smooth::FramePair> before;  ///< with the frame before it
 };
 
-/// Lists the views to be filled: those to be written, and their neighbors.
-std::vector<std::size_t> list_needed(const std::vector<std::size_t>& views, std::size_t count, bool smooth) {
-  std::set<std::size_t> needed(views.begin(), views.end());
+/// Returns the frames of the same camera before and after a view.
+std::vector<std::size_t> list_neighbors(const Views& views, std::size_t view) {
+  const auto [first, last] = views.of_sequence(views[view].sequence);
+  std::vector<std::size_t> out;
+  if (view > first) out.push_back(view - 1);
+  if (view + 1 < last) out.push_back(view + 1);
+  return out;
+}
+
+/// Lists the frames to be filled, in order of time: those to be written, and their neighbors.
+std::vector<ItemInProgress> list_items(const std::vector<std::size_t>& targets, const Views& views, bool smooth) {
+  std::set<std::size_t> needed(targets.begin(), targets.end());
   if (smooth)
-    for (const std::size_t view : views) {
-      if (view > 0) needed.insert(view - 1);
-      if (view + 1 < count) needed.insert(view + 1);
-    }
-  return {needed.begin(), needed.end()};
+    for (const std::size_t view : targets)
+      for (const std::size_t neighbor : list_neighbors(views, view)) needed.insert(neighbor);
+  std::vector<std::size_t> order(needed.begin(), needed.end());
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return views[a].time_ns < views[b].time_ns; });
+  std::map<std::size_t, std::size_t> item_of;
+  for (std::size_t i = 0; i < order.size(); ++i) item_of[order[i]] = i;
+  std::vector<ItemInProgress> items;
+  for (const std::size_t view : order) {
+    ItemInProgress item{.view = view, .is_written = std::binary_search(targets.begin(), targets.end(), view)};
+    for (const std::size_t neighbor : list_neighbors(views, view))
+      if (const auto found = item_of.find(neighbor); smooth && found != item_of.end())
+        (neighbor < view ? item.previous : item.next) = found->second;
+    items.push_back(std::move(item));
+  }
+  return items;
 }
 
 }  // namespace
@@ -41,35 +68,45 @@ std::optional<Smoothing> make_smoothing(const smooth::SmoothOptions& options, re
                        }};
 }
 
-void for_each_smoothed(const std::vector<std::size_t>& views, std::size_t count, const FrameSteps& steps) {
+void for_each_smoothed(const std::vector<std::size_t>& targets, const Views& views, const FrameSteps& steps) {
   using enum PipelineStep::Order;
-  const std::vector<std::size_t> needed = list_needed(views, count, steps.smoothing.has_value());
-  std::vector<ItemInProgress> items(needed.size() + 2);  // item i + 1 belongs to needed[i]
-  const auto is_next = [&](std::size_t i) { return i > 0 && i < needed.size() && needed[i] == needed[i - 1] + 1; };
+  std::vector<ItemInProgress> items = list_items(targets, views, steps.smoothing.has_value());
   const auto fill = [&](std::size_t i) {
-    if (i < needed.size()) items[i + 1].filled = std::make_shared<const result::FilledView>(steps.fill(needed[i]));
+    items[i].filled = std::make_shared<const result::FilledView>(steps.fill(items[i].view));
   };
   // The steps in ascending order only wait until the frame before, and then its pair, are made.
   const auto wait = [](std::size_t) {};
   const auto pair = [&](std::size_t i) {
-    if (steps.smoothing && is_next(i))
-      items[i + 1].before =
-          std::make_shared<const smooth::FramePair>(steps.smoothing->pair(items[i].filled->frame, items[i + 1].filled->frame));
+    if (items[i].previous == kNone) return;
+    const ItemInProgress& earlier = items[items[i].previous];
+    items[i].before = std::make_shared<const smooth::FramePair>(
+        steps.smoothing->pair(earlier.filled->frame, items[i].filled->frame));
   };
-  const auto write = [&](std::size_t i) {  // the frame before item i
-    if (i == 0) return;
-    const ItemInProgress &item = items[i], &after = items[i + 1];
-    if (!std::binary_search(views.begin(), views.end(), needed[i - 1])) return;
+  const auto write = [&](const ItemInProgress& item, const smooth::FramePair* after) {
+    if (!item.is_written) return;
     result::FilledView finished = *item.filled;
-    if (steps.smoothing) finished.frame = steps.smoothing->smooth(item.before.get(), item.filled->frame, after.before.get());
-    steps.write(needed[i - 1], finished);
+    if (steps.smoothing) finished.frame = steps.smoothing->smooth(item.before.get(), item.filled->frame, after);
+    steps.write(item.view, finished);
   };
-  // The pair of the next frame refers to frame i - 1, but no longer to the one before.
+  const auto write_completed = [&](std::size_t i) {
+    if (items[i].previous != kNone) write(items[items[i].previous], items[i].before.get());
+    if (items[i].next == kNone) write(items[i], nullptr);
+  };
+  const auto release_item = [&](std::size_t i) {
+    if (i == kNone) return;
+    items[i].filled.reset();
+    items[i].before.reset();
+  };
+  // The pair with the next frame refers to a frame, but no longer to the one before it.
   const auto release = [&](std::size_t i) {
-    if (i > 0) items[i - 1] = {};
+    const std::size_t previous = items[i].previous;
+    if (previous != kNone) release_item(items[previous].previous);
+    if (items[i].next != kNone) return;
+    release_item(previous);
+    release_item(i);
   };
-  run_pipeline(needed.empty() ? 0 : needed.size() + 1,
-               {{any, fill}, {ascending, wait}, {any, pair}, {ascending, wait}, {any, write}, {ascending, release}},
+  run_pipeline(items.size(),
+               {{any, fill}, {ascending, wait}, {any, pair}, {ascending, wait}, {any, write_completed}, {ascending, release}},
                steps.bytes_per_frame);
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "dvi/drive/view.h"
 #include "dvi/result/cpu_clock.h"
 #include "dvi/result/filled_view.h"
 #include "dvi/smooth/smooth.h"
@@ -31,9 +32,10 @@ struct FrameSteps {
 /// Makes the smoothing, which adds its CPU time to the clock; none if it is switched off.
 std::optional<Smoothing> make_smoothing(const smooth::SmoothOptions& options, result::CpuClock& cpu);
 
-/// Fills the given views of [0, count), ascending, and the neighbors that smoothing needs, in a pipeline: each view is smoothed
-/// between its neighbors and written as soon as they are filled, while later views are filled. A view is filled once, and a
-/// pair made once.
-void for_each_smoothed(const std::vector<std::size_t>& views, std::size_t count, const FrameSteps& steps);
+/// Fills the given targets of `views`, ascending, and the neighbors in their sequence that smoothing needs, in a pipeline: each
+/// view is smoothed between its neighbors and written as soon as they are filled, while later views are filled. They are filled
+/// in order of time, so that all cameras need the same source frames at the same time. A view is filled once, and a pair made
+/// once.
+void for_each_smoothed(const std::vector<std::size_t>& targets, const Views& views, const FrameSteps& steps);
 
 }  // namespace dvi::run

@@ -29,7 +29,14 @@ struct Recorded {
   std::map<std::size_t, cv::Vec3f> written;  // view, before, after
 };
 
-Recorded run(const std::vector<std::size_t>& views, std::size_t count, bool smooth) {
+/// Makes the views of a camera, one per second.
+Views make_views(std::size_t count) {
+  Views out;
+  for (std::size_t i = 0; i < count; ++i) out.views.push_back({.frame = i, .time_ns = static_cast<std::int64_t>(i) * 1000000000});
+  return out;
+}
+
+Recorded run(const std::vector<std::size_t>& views, const Views& all, bool smooth) {
   Recorded out;
   std::mutex mutex;
   FrameSteps steps;
@@ -58,14 +65,14 @@ Recorded run(const std::vector<std::size_t>& views, std::size_t count, bool smoo
     const std::lock_guard lock(mutex);
     out.written[view] = finished.frame.color(0, 0);
   };
-  for_each_smoothed(views, count, steps);
+  for_each_smoothed(views, all, steps);
   return out;
 }
 
 TEST(SmoothedFrames, EachFrameIsSmoothedBetweenItsNeighbors) {
   for (const int threads : {1, 2, 3}) {
     const ThreadLimit limit(threads);
-    const Recorded all = run({0, 1, 2, 3, 4}, 5, true);
+    const Recorded all = run({0, 1, 2, 3, 4}, make_views(5), true);
     ASSERT_EQ(all.written.size(), 5U);
     for (std::size_t i = 0; i < 5; ++i) {
       const auto at = static_cast<float>(i);
@@ -77,18 +84,38 @@ TEST(SmoothedFrames, EachFrameIsSmoothedBetweenItsNeighbors) {
 }
 
 TEST(SmoothedFrames, NeighborsOfMissingFramesAreFilledButNotWritten) {
-  const Recorded some = run({3}, 6, true);
+  const Recorded some = run({3}, make_views(6), true);
   EXPECT_THAT(some.filled, ElementsAre(Pair(2, 1), Pair(3, 1), Pair(4, 1)));
   EXPECT_THAT(some.written, ElementsAre(Pair(3, cv::Vec3f(3, 2, 4))));
 }
 
 TEST(SmoothedFrames, WithoutSmoothingNoNeighborsAreFilled) {
-  const Recorded some = run({1, 4}, 6, false);
+  const Recorded some = run({1, 4}, make_views(6), false);
   EXPECT_THAT(some.filled, ElementsAre(Pair(1, 1), Pair(4, 1)));
   EXPECT_THAT(some.written, ElementsAre(Pair(1, cv::Vec3f(1, -1, -1)), Pair(4, cv::Vec3f(4, -1, -1))));
 }
 
-TEST(SmoothedFrames, WithoutViewsNothingIsFilled) { EXPECT_TRUE(run({}, 6, true).filled.empty()); }
+TEST(SmoothedFrames, CamerasAreFilledInTurnAndSmoothedApart) {
+  Views all = make_views(3);
+  for (std::size_t i = 0; i < 3; ++i)
+    all.views.push_back({.sequence = 1, .frame = i, .time_ns = static_cast<std::int64_t>(i) * 1000000000 + 1});
+  const ThreadLimit limit(1);
+  std::vector<std::size_t> order;
+  FrameSteps steps;
+  steps.fill = [&](std::size_t view) {
+    order.push_back(view);
+    return make_numbered(view);
+  };
+  steps.write = [](std::size_t, const result::FilledView&) {};
+  for_each_smoothed({0, 1, 2, 3, 4, 5}, all, steps);
+  EXPECT_THAT(order, ElementsAre(0, 3, 1, 4, 2, 5));
+  const Recorded smoothed = run({0, 1, 2, 3, 4, 5}, all, true);
+  EXPECT_THAT(smoothed.written,
+              ElementsAre(Pair(0, cv::Vec3f(0, -1, 1)), Pair(1, cv::Vec3f(1, 0, 2)), Pair(2, cv::Vec3f(2, 1, -1)),
+                          Pair(3, cv::Vec3f(3, -1, 4)), Pair(4, cv::Vec3f(4, 3, 5)), Pair(5, cv::Vec3f(5, 4, -1))));
+}
+
+TEST(SmoothedFrames, WithoutViewsNothingIsFilled) { EXPECT_TRUE(run({}, make_views(6), true).filled.empty()); }
 
 }  // namespace
 }  // namespace dvi::run

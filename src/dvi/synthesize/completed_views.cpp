@@ -109,15 +109,13 @@ cv::Mat1f project_depths(const CompletedImage& completed, const View& from, cons
   return out;
 }
 
-}  // namespace
-
-std::vector<std::size_t> select_views_to_complete(const Views& views) {
-  const std::size_t count = views.of_sequence(0).second;
+std::vector<std::size_t> select_of_camera(const Views& views, int sequence) {
+  const auto [first, last] = views.of_sequence(sequence);
   std::vector<std::size_t> order;
   double forward_m = 0;
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = first; i < last; ++i) {
     order.push_back(i);
-    if (i == 0) continue;
+    if (i == first) continue;
     const Eigen::Vector3d moved = views[i - 1].camera_from_world * views[i].camera_from_world.inverse().t;
     forward_m += moved.z();
   }
@@ -130,6 +128,15 @@ std::vector<std::size_t> select_views_to_complete(const Views& views) {
     }
     out.push_back(i);
   }
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::size_t> select_views_to_complete(const Views& views) {
+  std::vector<std::size_t> out;
+  for (int sequence = 0; sequence < views.cleaned_sequences; ++sequence)
+    for (const std::size_t view : select_of_camera(views, sequence)) out.push_back(view);
   return out;
 }
 

@@ -33,7 +33,7 @@ struct CompletedView {
 /// The completed views of a drive, in the order in which they are completed.
 using CompletedViews = std::vector<CompletedView>;
 
-/// Selects the views to complete: views of the target at intervals of some meters or degrees, and the views at both ends. Each
+/// Selects the views to complete: targets of each camera at intervals of some meters or degrees, and those at both ends. Each
 /// view is completed after those before it, which it shows, too. The first is the view nearest to the surfaces that others show
 /// from farther away: the last one, or the first one of a drive backward.
 std::vector<std::size_t> select_views_to_complete(const Views& views);
