@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/frame_name.h"
 #include "dvi/core/threads.h"
 #include "dvi/depth/depth_map.h"
 #include "dvi/media/image_file.h"
@@ -38,7 +39,7 @@ Frame to_frame(const std::string& name, std::size_t number, const harmonize::Fil
   filled.color.convertTo(color, CV_8U);
   cv::Mat depth = filled.depth.clone();
   depth.setTo(depth::DepthMap::kUnknown, filled.depth >= depth::DepthMap::kInfinity);
-  return {name, number, to_rgb(color), filled.mask, filled.kind, filled.provenance, filled.confidence, depth};
+  return {camera_of_frame(name), image_of_frame(name), number, to_rgb(color), filled.mask, filled.kind, filled.provenance, filled.confidence, depth};
 }
 
 }  // namespace
@@ -56,11 +57,12 @@ py::array to_array(const cv::Mat& mat) {
 
 Run::Run(dvi::job::Job job, int threads, Task::Callback progress) : job_(std::move(job)), progress_(std::move(progress)) {
   task_ = std::make_unique<Task>(threads, [this](Progress& p) {
-    const auto begin = [this](const std::vector<std::string>& names, const std::vector<std::size_t>& missing) {
+    const auto begin = [this](const dvi::run::FramesToFill& frames) {
       const std::lock_guard lock(task_->mutex);
-      names_ = names;
-      missing_.assign(names.size(), false);
-      for (const std::size_t i : missing) missing_[i] = true;
+      names_ = frames.names;
+      order_ = frames.order;
+      missing_.assign(names_.size(), false);
+      for (const std::size_t i : frames.missing) missing_[i] = true;
     };
     const auto finished = [this](std::size_t number, const harmonize::FilledFrame& frame) { push(number, frame); };
     const dvi::result::RunReport report = dvi::run::run(job_, p, {.begin = begin, .finished = finished});
@@ -68,6 +70,7 @@ Run::Run(dvi::job::Job job, int threads, Task::Callback progress) : job_(std::mo
     report_ = dvi::result::to_json(report);
     if (!names_.empty()) return;
     names_ = report.frame_names();  // the result was there already
+    order_ = report.frame_order();
     missing_.assign(names_.size(), false);
   });
   task_->start();
@@ -78,7 +81,7 @@ void Run::push(std::size_t number, const harmonize::FilledFrame& filled) {
   std::unique_lock lock(task_->mutex);
   // One that is next always fits: others may wait for it.
   task_->changed.wait(lock, [&] {
-    return task_->canceled || drained_ || number == next_ || made_.size() < static_cast<std::size_t>(thread_count());
+    return task_->canceled || drained_ || number == order_[next_] || made_.size() < static_cast<std::size_t>(thread_count());
   });
   if (task_->canceled) throw Interrupted();
   if (!drained_) made_[number] = std::move(frame);
@@ -86,30 +89,33 @@ void Run::push(std::size_t number, const harmonize::FilledFrame& filled) {
 }
 
 Frame Run::read(std::size_t number) const {
-  const std::string file = names_[number] + ".png";
+  const std::string& name = names_[number];
   const fs::path out = job_.out;
-  const cv::Size size = dvi::media::image_size(out / "frames" / file);
+  const cv::Size size = dvi::media::image_size(out / picture_file("frames", name));
   cv::Mat depth;
-  dvi::media::read_png_depth(out / "depth" / file, size).convertTo(depth, CV_32F, 1.0 / 256);
-  return {names_[number],
+  dvi::media::read_png_depth(out / picture_file("depth", name), size).convertTo(depth, CV_32F, 1.0 / 256);
+  return {camera_of_frame(name),
+          image_of_frame(name),
           number,
-          to_rgb(dvi::media::read_image(out / "frames" / file, size)),
-          dvi::media::read_png_gray(out / "masks" / file, size),
-          dvi::media::read_png_gray(out / "kind" / file, size),
-          dvi::media::read_png_triples(out / "provenance" / file, size),
-          dvi::media::read_png_gray(out / "confidence" / file, size),
+          to_rgb(dvi::media::read_image(out / picture_file("frames", name), size)),
+          dvi::media::read_png_gray(out / picture_file("masks", name), size),
+          dvi::media::read_png_gray(out / picture_file("kind", name), size),
+          dvi::media::read_png_triples(out / picture_file("provenance", name), size),
+          dvi::media::read_png_gray(out / picture_file("confidence", name), size),
           depth};
 }
 
 std::shared_ptr<const Frame> Run::next() {
   if (!task_) return nullptr;
-  const auto ready = [this] { return next_ < names_.size() && (!missing_[next_] || made_.contains(next_)); };
+  const auto ready = [this] {
+    return next_ < order_.size() && (!missing_[order_[next_]] || made_.contains(order_[next_]));
+  };
   task_->wait(progress_, ready);
   std::shared_ptr<const Frame> frame;
   bool read_it = false;
   {
     const std::lock_guard lock(task_->mutex);
-    if (const auto made = made_.find(next_); made != made_.end()) {
+    if (const auto made = made_.find(next_ < order_.size() ? order_[next_] : order_.size()); made != made_.end()) {
       frame = std::move(made->second);
       made_.erase(made);
     } else {
@@ -118,7 +124,7 @@ std::shared_ptr<const Frame> Run::next() {
     if (frame || read_it) ++next_;
     task_->changed.notify_all();
   }
-  if (read_it) return std::make_shared<const Frame>(read(next_ - 1));
+  if (read_it) return std::make_shared<const Frame>(read(order_[next_ - 1]));
   if (!frame) task_->finish(progress_);
   return frame;
 }

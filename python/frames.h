@@ -19,6 +19,7 @@ pybind11::array to_array(const cv::Mat& mat);
 
 /// A finished frame as Python has it: like the files of a result, but colors in the order R, G, B and depth in meters.
 struct Frame {
+  std::string camera;  ///< empty if the run cleans one camera
   std::string name;
   std::size_t index = 0;
   cv::Mat image, mask, kind, provenance, confidence, depth;
@@ -48,9 +49,10 @@ class Run {
   std::string report_;
   // Under the task's lock from here on.
   std::vector<std::string> names_;
+  std::vector<std::size_t> order_;  // of time
   std::vector<bool> missing_;
   std::map<std::size_t, std::shared_ptr<const Frame>> made_;
-  std::size_t next_ = 0;
+  std::size_t next_ = 0;  // in order_
   bool drained_ = false;  // no further frames are requested
   std::unique_ptr<Task> task_;
 };

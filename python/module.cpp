@@ -112,7 +112,7 @@ py::tuple read_map(const std::string& ply) {
 
 void bind_frames(py::module_& m) {
   py::class_<Frame, std::shared_ptr<Frame>> frame(m, "Frame");
-  frame.def_readonly("name", &Frame::name).def_readonly("index", &Frame::index);
+  frame.def_readonly("camera", &Frame::camera).def_readonly("name", &Frame::name).def_readonly("index", &Frame::index);
   const auto array = [&](const char* name, cv::Mat Frame::* field) {
     frame.def_property_readonly(name, [field](const Frame& f) { return to_array(f.*field); });
   };

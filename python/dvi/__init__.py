@@ -60,8 +60,9 @@ class _Opened:
         self.close()
 
 
-class Run(Iterator[Frame]):
-    """The frames of a run in order of time, each as soon as it is made. Also a context manager: leaving it stops the work."""
+class Run(Iterator[Any]):
+    """The frames of a run in order of time, each as soon as it is made; pairs of a camera's name and a frame if several cameras are
+    cleaned. Also a context manager: leaving it stops the work."""
 
     def __init__(self, dataset: Source, sources: Sequence[Source], out: Optional["str | os.PathLike"], force: bool, threads: int,
                  progress: Progress, options: Mapping[str, Any]):
@@ -84,7 +85,7 @@ class Run(Iterator[Frame]):
     def __iter__(self) -> "Run":
         return self
 
-    def __next__(self) -> Frame:
+    def __next__(self) -> "Frame | tuple[str, Frame]":
         if self._run is None:
             raise StopIteration
         try:
@@ -95,7 +96,7 @@ class Run(Iterator[Frame]):
         if frame is None:
             self._end()
             raise StopIteration
-        return frame
+        return (frame.camera, frame) if frame.camera else frame
 
     def finish(self) -> dict:
         """Runs to the end without handing out the frames that are left. Returns the report."""

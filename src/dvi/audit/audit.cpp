@@ -7,6 +7,7 @@
 #include <set>
 
 #include "dvi/core/error.h"
+#include "dvi/core/frame_name.h"
 #include "dvi/core/threads.h"
 #include "dvi/drive/warp.h"
 #include "dvi/harmonize/filled_frame.h"
@@ -29,12 +30,12 @@ struct FrameAudit {
 /// The images of one frame of a result.
 struct WrittenFrame {
   WrittenFrame(const fs::path& out, const std::string& name, cv::Size size)
-      : frame(media::read_image(out / "frames" / (name + ".png"), size)),
-        mask(media::read_mask(out / "masks" / (name + ".png"), size)),
-        kind(media::read_png_gray(out / "kind" / (name + ".png"), size)),
-        provenance(media::read_png_triples(out / "provenance" / (name + ".png"), size)),
-        used(media::read_image(out / "sources_used" / (name + ".png"), size)),
-        harmonization(media::read_png_triples(out / "harmonization" / (name + ".png"), size)) {}
+      : frame(media::read_image(out / picture_file("frames", name), size)),
+        mask(media::read_mask(out / picture_file("masks", name), size)),
+        kind(media::read_png_gray(out / picture_file("kind", name), size)),
+        provenance(media::read_png_triples(out / picture_file("provenance", name), size)),
+        used(media::read_image(out / picture_file("sources_used", name), size)),
+        harmonization(media::read_png_triples(out / picture_file("harmonization", name), size)) {}
 
   harmonize::Provenance get_provenance(cv::Point p) const { return harmonize::Provenance::decode(provenance(p), used(p)); }
 
@@ -48,8 +49,8 @@ struct WrittenFrame {
 /// The images of a frame that an import changed, as the run wrote them.
 struct FrameBefore {
   FrameBefore(const fs::path& folder, const std::string& name, cv::Size size)
-      : frame(media::read_image(folder / "frames" / (name + ".png"), size)),
-        kind(media::read_png_gray(folder / "kind" / (name + ".png"), size)) {}
+      : frame(media::read_image(folder / picture_file("frames", name), size)),
+        kind(media::read_png_gray(folder / picture_file("kind", name), size)) {}
 
   cv::Mat3b frame;
   cv::Mat1b kind;
@@ -184,9 +185,10 @@ double compute_percentile(const Changes& changes, std::size_t count, double shar
 
 void require_known_frames(const AuditedResult& result) {
   const std::set<std::string> known(result.names.begin(), result.names.end());
-  for (const fs::path& file : list_files(result.out / "frames", {".png"}))
-    if (!known.contains(file.stem().string()))
-      throw InputError(file, "is not a frame of the drive", "audit a result with the drives from which it was made");
+  for (const std::string& frame : list_frames(result.out))
+    if (!known.contains(frame))
+      throw InputError(result.out / picture_file("frames", frame), "is not a frame of the drive",
+                       "audit a result with the drives from which it was made");
 }
 
 }  // namespace

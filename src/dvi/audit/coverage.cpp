@@ -43,6 +43,7 @@ cv::Mat1b subsample(const cv::Mat1b& mask, int step) {
 
 Views subsample(const Views& views, int step) {
   Views out;
+  out.cleaned_sequences = views.cleaned_sequences;
   for (View view : views.views) {
     Camera& c = view.camera;
     c.width = (c.width + step - 1) / step;

@@ -30,6 +30,7 @@ void add_convert(Program& program) {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
     const job::ReadChoice choice = a->request.job("", "", {}).read;
+    job::require_one_camera(choice.camera, "dvi convert");
     datasets::ReadOptions read{.camera = choice.camera};
     read.topics = choice.topics;
     if (!choice.frames.empty()) read.frames = job::parse_frames(choice.frames);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/frame_name.h"
 #include "dvi/core/json_file.h"
 #include "dvi/core/json_text.h"
 #include "dvi/datasets/pose_file.h"
@@ -16,7 +17,7 @@
 #include "dvi/media/image_file.h"
 #include "dvi/objects/completion/box_masks.h"
 #include "dvi/result/fill_import.h"
-#include "dvi/result/result_folder.h"
+#include "dvi/result/result_layout.h"
 #include "dvi/result/source_masks.h"
 
 namespace dvi::commands {
@@ -58,6 +59,7 @@ Views make_listed_views(const std::vector<ListedSource>& sources, const inputs::
     index[{all[i].sequence, drive.frames[all[i].frame].name}] = i;
   }
   Views views;
+  views.cleaned_sequences = all.cleaned_sequences;
   std::vector<std::size_t> found;
   std::size_t sequence = 0;  // sources are ordered by sequence
   for (std::size_t i = 0; i < sources.size(); ++i) {
@@ -116,7 +118,7 @@ Lazy<cv::Mat1b> collect_run_masks(const Views& views, const std::vector<std::str
   return {views.size(), [views, names, relation, out](std::size_t i) {
             const bool own = i < names.size();
             if (own && relation == RunMasks::given) return views.masks[i]->clone();
-            const std::string file = own ? "masks/" + names[i] + ".png" : result::source_mask_file(i);
+            const std::string file = own ? picture_file("masks", names[i]) : result::source_mask_file(i);
             const cv::Mat1b of_run = read_result_mask(out / file, views[i].camera);
             return cv::Mat1b(of_run | (relation == RunMasks::refined ? remove_boxes(*views.masks[i]) : *views.masks[i]));
           }};
@@ -194,7 +196,8 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
   Views views = make_listed_views(sources, open, given.masks, out);
   for (std::size_t i = 0; i < sources.size(); ++i) views.views[i].gain = sources[i].gain;
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < views.targets(); ++i) names.push_back(sources[i].frame);
+  for (std::size_t i = 0; i < views.targets(); ++i)
+    names.push_back(join_frame_name(views.cleaned_sequences > 1 ? sources[i].camera : "", sources[i].frame));
   views.masks = collect_run_masks(views, names, relate_masks(given), out);
 
   progress.begin("audit", names.size());

@@ -221,6 +221,7 @@ CheckReport check(const job::Job& given, bool with_coverage, Progress& progress)
   job::Job job = given;
   // Shadows take a sixth of the time of a check, and do not help to decide whether the recording is valid.
   job.options.masks.shadows = given.options.masks.shadows && with_coverage;
+  job::require_one_camera(job.read.camera, "dvi check");
   const inputs::Recordings drives{inputs::open_recording(job.target, job.read, inputs::MaskNeed::optional, progress)};
   const Drive& drive = drives.front().drive;
   const std::optional<std::string> memory_warning = inputs::bound_memory(job, drives);

@@ -71,6 +71,7 @@ CoverageReport estimate_coverage(const inputs::Inputs& inputs, const job::Job& j
 }
 
 CoverageReport estimate_coverage(const job::Job& job, Progress& progress) {
+  job::require_one_camera(job.read.camera, "dvi forecast");
   const inputs::Recordings drives =
       inputs::add_other_cameras(inputs::open_recordings(job, inputs::MaskNeed::required, progress), job, progress);
   const inputs::Poses poses = inputs::estimate_poses(drives, job, progress);

@@ -12,6 +12,7 @@
 
 #include "dvi/commands/label_scans.h"
 #include "dvi/core/error.h"
+#include "dvi/core/frame_name.h"
 #include "dvi/core/json_file.h"
 #include "dvi/datasets/pose_file.h"
 #include "dvi/inputs/recordings.h"
@@ -85,12 +86,17 @@ metrics::GhostScene make_scene(const fs::path& out, const inputs::Recordings& dr
     const nlohmann::json document = read_json(file);
     const nlohmann::json& sources = document.at("sources");
     const std::string target = sources.at(0).at("drive"), own_camera = sources.at(0).at("camera");
+    const std::vector<std::string> cleaned = list_cameras(list_frames(out));
     for (const nlohmann::json& source : sources) {
       const std::string drive = source.at("drive"), camera = source.at("camera"), frame = source.at("frame");
       const auto found = cameras.find({camera, frame});
       const bool is_judged = drive == target && found != cameras.end();
       scene.sources.push_back(is_judged ? std::optional(found->second) : std::nullopt);
-      if (drive == target && camera == own_camera) scene.frames.push_back(frame);
+      if (drive != target) continue;
+      if (std::find(cleaned.begin(), cleaned.end(), camera) != cleaned.end())
+        scene.frames.push_back(join_frame_name(camera, frame));
+      else if (camera == own_camera)
+        scene.frames.push_back(frame);
     }
   } catch (const nlohmann::json::exception& e) {
     throw InputError(file, fmt::format("is not what dvi run writes: {}", e.what()));

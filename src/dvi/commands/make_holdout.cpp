@@ -33,6 +33,7 @@ enum class ExistingCase { refuse, reuse };
 
 void make_case(const job::Job& job, const holdout::HoldoutOptions& options, ExistingCase existing, Progress& progress) {
   if (existing == ExistingCase::refuse) require_empty(job.out, "case");
+  job::require_one_camera(job.read.camera, "dvi holdout");
   inputs::Recordings drives =
       inputs::add_other_cameras(inputs::open_recordings(job, inputs::MaskNeed::optional, progress), job, progress);
   // A colored vehicle in a gray image would make the camera count as a color camera.

@@ -98,6 +98,7 @@ int dilation_px(const inputs::Recording& open, const objects::MaskOptions& optio
 std::string make_masks(const job::Job& job, Progress& progress) {
   result::require_apart(job);
   require_empty(job.out, "masks");  // existing masks may have been edited by hand
+  job::require_one_camera(job.read.camera, "dvi mask");
   const inputs::Recordings drives{inputs::open_recording(job.target, job.read, inputs::MaskNeed::required, progress)};
   inputs::verify(drives, job, progress);
   const inputs::Poses poses = inputs::estimate_poses(drives, job, progress);

@@ -88,8 +88,8 @@ DepthMap limit_sigma_to(const cv::Mat1b& mask, DepthMap depth) {
 
 Depths::Depths(const Views& views, const std::function<DepthMap(std::size_t)>& make) {
   const auto packed_depths = std::make_shared<PackedDepths>();
-  visibility = {views.size(), [make, packed_depths, masks = views.masks, returns = views.returns,
-                               targets = views.targets()](std::size_t i) {
+  visibility = {views.size(),
+                [make, packed_depths, masks = views.masks, returns = views.returns, targets = views.targets()](std::size_t i) {
                   const DepthMap depth = make(i);
                   const std::shared_ptr<const cv::Mat1b> mask = masks[i];
                   if (i < targets) packed_depths->put(i, depth, *mask);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -63,6 +64,14 @@ struct Views {
       return static_cast<std::size_t>(at - views.begin());
     };
     return {begin_of(sequence), begin_of(sequence + 1)};
+  }
+  /// Returns the views that are filled in order of time; those of the first camera first at equal times.
+  std::vector<std::size_t> targets_in_time() const {
+    std::vector<std::size_t> order(targets());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [this](std::size_t a, std::size_t b) { return views[a].time_ns < views[b].time_ns; });
+    return order;
   }
   /// Returns the number of views that are filled: [0, targets()).
   std::size_t targets() const { return of_sequence(cleaned_sequences - 1).second; }

@@ -1,5 +1,6 @@
 #include "dvi/inputs/make_views.h"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -34,6 +35,12 @@ void attach_returns(Views& views, const Inputs& inputs) {
       Lazy<std::vector<ImageReturn>>::through(views.size(), [=](std::size_t i) { return returns[of(i).first][of(i).second]; });
 }
 
+/// Counts the cleaned cameras, which are the first recordings; the first recording is always one.
+int count_cleaned(const Recordings& drives) {
+  const auto count = std::count_if(drives.begin(), drives.end(), [](const Recording& open) { return open.is_cleaned; });
+  return std::max(1, static_cast<int>(count));
+}
+
 View assign_sequence(View view, const Recordings& drives, std::size_t sequence) {
   view.sequence = static_cast<int>(sequence);
   view.gray = drives[sequence].gray;
@@ -46,6 +53,7 @@ View assign_sequence(View view, const Recordings& drives, std::size_t sequence) 
 Views make_views(const Inputs& inputs, Progress& progress) {
   const auto& [drives, poses, masks] = inputs;
   Views out;
+  out.cleaned_sequences = count_cleaned(drives);
   for (std::size_t d = 0; d < drives.size(); ++d) {
     const Drive& drive = drives[d].drive;
     for (std::size_t i = 0; i < drive.frames.size(); ++i) {
@@ -62,6 +70,7 @@ Views make_views(const Inputs& inputs, Progress& progress) {
 
 Views make_unposed_views(const Recordings& drives, const objects::Masks& masks) {
   Views out;
+  out.cleaned_sequences = count_cleaned(drives);
   for (std::size_t d = 0; d < drives.size(); ++d) {
     const Drive& drive = drives[d].drive;
     for (std::size_t i = 0; i < drive.frames.size(); ++i)

@@ -142,7 +142,7 @@ struct OpenOptions {
 Recording open_drive(const fs::path& path, const OpenOptions& options, Progress& progress) {
   const auto& [choice, detector, need, target] = options;
   datasets::ReadOptions read;
-  read.camera = choice.camera;
+  read.camera = job::first_camera(choice.camera);
   read.topics = choice.topics;
   if (!choice.frames.empty()) read.frames = job::parse_frames(choice.frames);
   Recording open{target != nullptr ? read_near_target(*target, path, read, progress) : datasets::read_drive(path, read), {}};
@@ -185,8 +185,9 @@ Recordings open_recordings(const job::Job& job, MaskNeed need, Progress& progres
   Recordings drives;
   const std::shared_ptr<const objects::Detector> detector = load_detector(job.read);
   drives.push_back(open_drive(job.target, {job.read, detector, need}, progress));
+  drives.front().is_cleaned = true;
   job::ReadChoice further;
-  further.camera = job.read.camera;
+  further.camera = job::first_camera(job.read.camera);
   further.topics = job.read.topics;
   further.mask_files = job.read.mask_files;
   further.detector = job.read.detector;

@@ -27,6 +27,7 @@ struct Recording {
   /// For such a camera: the labels cover the view of the drive's own camera only. Objects without a box, and objects outside of
   /// that view, are reprojected.
   bool labeled_in_part = false;
+  bool is_cleaned = false;  ///< a camera of the target whose frames are filled
 };
 
 /// Returns the name of the drive's folder, followed by the name of the camera if it is another camera of the drive.
@@ -35,7 +36,7 @@ std::string name_of(const Recording& open);
 /// Returns the names of the mask sources, such as "files, found"; "none" if there are none.
 std::string mask_source(const Recording& open);
 
-/// The target, then the source drives, then other cameras of these (rig.h).
+/// The target, then its other cleaned cameras, then the source drives, then other cameras of these (rig.h).
 using Recordings = std::vector<Recording>;
 
 /// Opens one drive as `choice` describes. Warnings go to `progress`.

@@ -160,31 +160,74 @@ Recording open_camera(const Recordings& drives, std::size_t number, const std::s
   return open;
 }
 
+void require_cameras(const std::string& cameras, const Drive& drive) {
+  if (!job::has_other_cameras(cameras)) return;
+  for (const std::string& name : split_at_commas(cameras))
+    if (!name.empty() && cameras != "all" &&
+        std::find(drive.camera_names.begin(), drive.camera_names.end(), name) == drive.camera_names.end())
+      throw UsageError(fmt::format("--camera {}: the drive has {}", name, fmt::join(drive.camera_names, ", ")));
+}
+
+/// Cameras without colors cannot copy from those with colors, nor the other way around. They are cleaned in a run of their own.
+void leave_gray_cameras(const std::string& cameras, Recordings& drives, Progress& progress) {
+  for (Recording& open : drives) {
+    if (!open.is_cleaned || open.gray == drives.front().gray) continue;
+    const std::string& name = open.drive.camera_name;
+    if (cameras != "all")
+      throw UsageError(fmt::format(
+          "--camera {}: cameras with and without colors are cleaned in runs of their own, such as --camera {}", cameras, name));
+    open.is_cleaned = false;
+    progress.warn(fmt::format("camera {} is not cleaned, because it has {}; clean it in a run of its own (--camera {})", name,
+                              open.gray ? "no colors" : "colors", name));
+  }
+}
+
+/// Moves the cleaned cameras to the front, and renumbers the drives of other cameras.
+Recordings put_cleaned_first(Recordings drives) {
+  std::vector<std::size_t> order;
+  for (const bool cleaned : {true, false})
+    for (std::size_t i = 0; i < drives.size(); ++i)
+      if (drives[i].is_cleaned == cleaned) order.push_back(i);
+  Recordings out;
+  for (const std::size_t i : order) {
+    out.push_back(std::move(drives[i]));
+    if (std::optional<std::size_t>& own = out.back().rig_of)
+      own = static_cast<std::size_t>(std::find(order.begin(), order.end(), *own) - order.begin());
+  }
+  return out;
+}
+
 }  // namespace
 
 Recordings add_other_cameras(Recordings drives, const job::Job& job, Progress& progress) {
   const auto asked = parse_source_cameras(job.read.source_cameras);
   require_existing(asked, drives);
+  require_cameras(job.read.camera, drives.front().drive);
   const std::size_t own = drives.size();
   for (std::size_t i = 0; i < own; ++i) {
     job::ReadChoice choice = job.read;
     choice.is_source = i > 0;
     for (const std::string& camera : std::vector<std::string>(drives[i].drive.camera_names)) {
-      if (camera == drives[i].drive.camera_name || (asked && !asked->contains(camera))) continue;
+      const bool is_cleaned = i == 0 && job::is_listed(camera, job.read.camera);
+      if (camera == drives[i].drive.camera_name || (asked && !asked->contains(camera) && !is_cleaned)) continue;
       try {
         Recording open = open_camera(drives, i, camera, choice);
+        open.is_cleaned = is_cleaned;
         for (const std::string& warning : open.drive.warnings) progress.warn(name_of(open) + ": " + warning);
         drives.push_back(std::move(open));
       } catch (const InputError& e) {
-        progress.warn(fmt::format("camera {} is not used as a source: {}", camera, e.what()));
+        if (is_cleaned && job.read.camera != "all") throw;
+        progress.warn(
+            fmt::format("camera {} is {}: {}", camera, is_cleaned ? "not cleaned" : "not used as a source", e.what()));
       }
     }
   }
   if (drives.size() > 1)
     for (std::size_t i = 0; i < own; ++i) drives[i].gray = is_gray(drives[i].drive);
+  leave_gray_cameras(job.read.camera, drives, progress);
   std::stable_partition(drives.begin() + static_cast<std::ptrdiff_t>(own), drives.end(),
                         [](const Recording& open) { return !open.gray; });
-  return drives;
+  return put_cleaned_first(std::move(drives));
 }
 
 }  // namespace dvi::inputs

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
+#include "dvi/core/text.h"
 
 namespace dvi::job {
 
@@ -54,7 +55,7 @@ OptionTable Job::table() {
   table.add("sources", sources, "Names source drives of the same street to copy pixels from.");
   table.add("out", out, {}, "Names the folder of the result.");
   table.flags(true);
-  table.add("camera", read.camera, {}, "Selects the camera to clean; empty: the drive's first.");
+  table.add("camera", read.camera, {}, "Selects the cameras to clean: NAME, NAME,NAME, or all; empty: the drive's first.");
   const char* topics =
       "Selects the topics of a bag: image=TOPIC, points=TOPIC, depth=TOPIC, info=TOPIC, poses=TOPIC; empty: guessed.";
   table.add("topics", read.topics, topics).flag = "--topic";
@@ -146,6 +147,35 @@ std::string effective_toml(Job job) {
     const auto& [ours, methods] = defaults.at(option.name());
     return option.audience == Audience::user || option.text() != ours || option.text() != methods;
   });
+}
+
+namespace {
+
+constexpr const char* kAllCameras = "all";
+
+std::vector<std::string> split_cameras(const std::string& cameras) {
+  std::vector<std::string> names = split_at_commas(cameras);
+  std::erase(names, "");
+  return names;
+}
+
+}  // namespace
+
+std::string first_camera(const std::string& cameras) {
+  const std::vector<std::string> names = split_cameras(cameras);
+  return names.empty() || names.front() == kAllCameras ? "" : names.front();
+}
+
+bool has_other_cameras(const std::string& cameras) { return cameras == kAllCameras || split_cameras(cameras).size() > 1; }
+
+void require_one_camera(const std::string& cameras, const std::string& user) {
+  if (has_other_cameras(cameras))
+    throw UsageError(fmt::format("--camera {}: {} takes one camera; give --camera NAME", cameras, user));
+}
+
+bool is_listed(const std::string& camera, const std::string& cameras) {
+  const std::vector<std::string> names = split_cameras(cameras);
+  return cameras == kAllCameras || std::find(names.begin(), names.end(), camera) != names.end();
 }
 
 FrameRange parse_frames(const std::string& text) {

@@ -49,7 +49,7 @@ struct Options {
 
 /// The data to read, for every command that opens a drive.
 struct ReadChoice {
-  std::string camera;                         ///< empty: the drive's first
+  std::string camera;                         ///< cameras to clean: NAME, NAME,NAME, or all; empty: the drive's first
   std::vector<std::string> topics;            ///< of bags: "image=/front/image_raw"
   std::string frames;                         ///< "A:B" or "A"; empty: all
   std::vector<MasksFrom> masks{MasksFrom{}};  ///< their union is removed, with the detections of `detector`
@@ -85,6 +85,19 @@ void use_method(Method method, Options& options);
 
 /// Formats OUT/dvi.toml: all user options, and the developer options that differ from their default or their method's.
 std::string effective_toml(Job job);
+
+/// Returns the first camera of a list (ReadChoice::camera), which the other cameras refer to; empty: the drive's first.
+std::string first_camera(const std::string& cameras);
+
+/// Returns whether a list of cameras has another one than the first.
+bool has_other_cameras(const std::string& cameras);
+
+/// Throws UsageError if a list of cameras has another one than the first; `user` is the command or option that takes one
+/// camera.
+void require_one_camera(const std::string& cameras, const std::string& user);
+
+/// Returns whether a camera is in a list of cameras.
+bool is_listed(const std::string& camera, const std::string& cameras);
 
 /// Parses "A:B", both included, or "A", that frame only. Throws UsageError for other texts.
 FrameRange parse_frames(const std::string& text);

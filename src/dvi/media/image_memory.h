@@ -8,8 +8,9 @@
 
 namespace dvi::media {
 
-/// Returns the memory of data that take so many bytes per pixel of an image, by the first of the images NAME.png of a folder; 0
-/// if there is none.
-std::size_t estimate_image_bytes(const fs::path& folder, const std::vector<std::string>& names, std::size_t bytes_per_pixel);
+/// Returns the memory of data that take so many bytes per pixel of an image, by the largest of the first images of each camera
+/// in a folder of the frames of a result ("kind"); 0 if there is none.
+std::size_t estimate_image_bytes(const fs::path& out, const std::string& folder, const std::vector<std::string>& frames,
+                                 std::size_t bytes_per_pixel);
 
 }  // namespace dvi::media

@@ -6,6 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/core/frame_name.h"
 #include "dvi/core/lazy.h"
 #include "dvi/core/threads.h"
 #include "dvi/image/enlarge.h"
@@ -106,10 +107,10 @@ double Artifacts::overshoot_ppm() const { return to_ppm(overshoots, hole); }
 Artifacts count_artifacts(const fs::path& out, const std::vector<std::string>& names, const Tick& tick,
                           const std::function<fs::path(const std::string& name)>& filled) {
   const auto read_mask = [&](std::size_t i, cv::Size size) {
-    return media::read_mask(out / "masks" / (names[i] + ".png"), size);
+    return media::read_mask(out / picture_file("masks", names[i]), size);
   };
   const Lazy<cv::Mat1b> gray(names.size(), [&](std::size_t i) {
-    const fs::path file = out / "frames" / (names[i] + ".png");
+    const fs::path file = out / picture_file("frames", names[i]);
     const cv::Size size = media::image_size(file);
     cv::Mat3b frame = media::read_image(file, size);
     if (filled)
@@ -128,7 +129,10 @@ Artifacts count_artifacts(const fs::path& out, const std::vector<std::string>& n
     const cv::Rect part = find_compared_part(whole_mask);
     const cv::Mat1b now = (*whole)(part).clone(), mask = whole_mask(part).clone(), boundary = find_boundary(mask);
     counts.overshoots = count_overshoots(now, mask, boundary);
-    if (i == 0 || i + 1 == names.size() || std::min(part.width, part.height) < kMinFlowSidePx) return;
+    const auto is_same_camera = [&](std::size_t other) { return camera_of_frame(names[i]) == camera_of_frame(names[other]); };
+    if (i == 0 || i + 1 == names.size() || !is_same_camera(i - 1) || !is_same_camera(i + 1) ||
+        std::min(part.width, part.height) < kMinFlowSidePx)
+      return;
     const auto before = gray[i - 1], after = gray[i + 1];
     if (before->size() != whole->size() || after->size() != whole->size()) return;
     const cv::Mat1b flashing = find_flashes(now, (*before)(part).clone(), (*after)(part).clone());
@@ -136,7 +140,7 @@ Artifacts count_artifacts(const fs::path& out, const std::vector<std::string>& n
     counts.flashes = count_pixels(cv::Mat1b(flashing & mask)),
     counts.ring_flashes = count_pixels(cv::Mat1b(flashing & boundary));
   };
-  parallel_in_order(names.size(), count, media::estimate_image_bytes(out / "frames", names, kArtifactBytesPerPixel));
+  parallel_in_order(names.size(), count, media::estimate_image_bytes(out, "frames", names, kArtifactBytesPerPixel));
   Artifacts sum;
   for (const Artifacts& counts : found) sum += counts;
   return sum;

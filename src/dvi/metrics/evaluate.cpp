@@ -13,6 +13,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/files.h"
+#include "dvi/core/frame_name.h"
 #include "dvi/core/interrupt.h"
 #include "dvi/core/threads.h"
 #include "dvi/media/image_file.h"
@@ -24,9 +25,16 @@
 namespace dvi::metrics {
 namespace {
 
+/// Lists the images NAME.png of a folder; those in its subfolders, named after cameras, if it has none.
 std::vector<std::string> list_names(const fs::path& folder) {
   std::vector<std::string> names;
   for (const fs::path& file : list_files(folder, {".png"})) names.push_back(file.stem().string());
+  if (!names.empty() || !fs::is_directory(folder)) return names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    if (entry.is_directory())
+      for (const fs::path& file : list_files(entry.path(), {".png"}))
+        names.push_back(join_frame_name(entry.path().filename().string(), file.stem().string()));
+  std::sort(names.begin(), names.end());
   return names;
 }
 
@@ -47,11 +55,11 @@ std::vector<std::string> subtract(const std::vector<std::string>& names, const s
 
 /// Checks the folders and returns the names of the frames of the result.
 std::vector<std::string> check_folders(const EvaluationFolders& folders) {
+  const std::vector<std::string> names = list_frames(folders.out);
   for (const char* part : {"frames", "masks", "kind"})
-    if (!fs::is_directory(folders.out / part))
+    if (!fs::is_directory((folders.out / picture_file(part, names.empty() ? "" : names.front())).parent_path()))
       throw InputError(folders.out, std::string("has no result (") + part + "/ is missing)",
                        "give the folder that `dvi run` wrote");
-  const std::vector<std::string> names = list_names(folders.out / "frames");
   if (names.empty()) throw InputError(folders.out / "frames", "has no frames", "give the folder that `dvi run` wrote");
   if (folders.truth.empty()) return names;
   const std::vector<std::string> truths = list_names(folders.truth);
@@ -84,12 +92,12 @@ cv::Mat1b load_scored(const EvaluationFolders& folders, const cv::Mat1b& removed
 /// Loads a frame of the run, or of another program.
 ScoredFrame load(const EvaluationFolders& folders, const ExternalFrames* external, const std::string& name) {
   const std::string file = name + ".png";
-  const cv::Size size = media::image_size(folders.out / "frames" / file);
+  const cv::Size size = media::image_size(folders.out / picture_file("frames", name));
   ScoredFrame frame;
-  frame.result = media::read_image(folders.out / "frames" / file, size);
+  frame.result = media::read_image(folders.out / picture_file("frames", name), size);
   frame.clean = frame.result;
-  frame.kind = media::read_png_gray(folders.out / "kind" / file, size);
-  const cv::Mat1b removed = media::read_mask(folders.out / "masks" / file, size);
+  frame.kind = media::read_png_gray(folders.out / picture_file("kind", name), size);
+  const cv::Mat1b removed = media::read_mask(folders.out / picture_file("masks", name), size);
   frame.scored = load_scored(folders, removed, file);
   if (cv::countNonZero(frame.scored) == 0) return frame;
 
@@ -99,8 +107,8 @@ ScoredFrame load(const EvaluationFolders& folders, const ExternalFrames* externa
   const cv::Mat1b changed(removed | frame.scored);
   if (external)
     media::read_image(find_frame(*external, name), size).copyTo(frame.result, changed);
-  else if (fs::is_directory(folders.out / "confidence"))
-    frame.confidence = media::read_png_gray(folders.out / "confidence" / file, size);
+  else if (const fs::path file = folders.out / picture_file("confidence", name); fs::is_directory(file.parent_path()))
+    frame.confidence = media::read_png_gray(file, size);
   frame.clean = frame.result.clone();
   frame.truth.copyTo(frame.clean, changed);
   if (!folders.ignore.empty() && fs::exists(folders.ignore / file))
@@ -164,7 +172,8 @@ Evaluation score(const EvaluationFolders& folders, const ExternalFrames* externa
     std::vector<Tally> tallies(count);
     parallel_for(count, [&](std::size_t i) {
       const ScoredFrame* before = i > 0 ? &frames[i - 1] : &previous;
-      const bool comparable = before->result.size() == frames[i].result.size();
+      const bool comparable = before->result.size() == frames[i].result.size() &&
+                              (first + i == 0 || camera_of_frame(names[first + i]) == camera_of_frame(names[first + i - 1]));
       tallies[i] = make_tally(frames[i], comparable ? before : nullptr);
     });
     for (std::size_t i = 0; i < count; ++i) {

@@ -10,6 +10,7 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/frame_name.h"
 #include "dvi/core/threads.h"
 #include "dvi/drive/outline.h"
 #include "dvi/harmonize/filled_frame.h"
@@ -139,13 +140,13 @@ struct FrameGhosts {
 class FrameCounter {
  public:
   FrameCounter(const fs::path& out, const GhostScene& scene, std::size_t frame)
-      : scene_(scene), target_(*scene.sources[frame]), file_(scene.frames[frame] + ".png") {
+      : scene_(scene), target_(*scene.sources[frame]), frame_(scene.frames[frame]) {
     const cv::Size size(target_.camera.width, target_.camera.height);
-    kind_ = media::read_png_gray(out / "kind" / file_, size);
-    provenance_ = media::read_png_triples(out / "provenance" / file_, size);
-    depth_ = media::read_png_depth(out / "depth" / file_, size);
+    kind_ = media::read_png_gray(out / picture_file("kind", frame_), size);
+    provenance_ = media::read_png_triples(out / picture_file("provenance", frame_), size);
+    depth_ = media::read_png_depth(out / picture_file("depth", frame_), size);
     is_ghost_ = cv::Mat1b(size, uchar{0});
-    provenance_file_ = out / "provenance" / file_;
+    provenance_file_ = out / picture_file("provenance", frame_);
   }
 
   FrameGhosts count() {
@@ -209,7 +210,7 @@ class FrameCounter {
 
   const GhostScene& scene_;
   GhostSource target_;
-  std::string file_;
+  std::string frame_;
   fs::path provenance_file_;
   cv::Mat1b kind_, is_ghost_;
   cv::Mat_<cv::Vec3w> provenance_;
@@ -240,7 +241,7 @@ Ghosts count_ghosts(const fs::path& out, const GhostScene& scene, const Tick& ti
   Ghosts sum;
   for (const StationaryObject& object : scene.objects) sum.tracks.push_back({object.track, object.type});
   const auto count = [&](std::size_t i) -> std::optional<FrameGhosts> {
-    if (!scene.sources[i] || !fs::exists(out / "frames" / (scene.frames[i] + ".png"))) return std::nullopt;
+    if (!scene.sources[i] || !fs::exists(out / picture_file("frames", scene.frames[i]))) return std::nullopt;
     return FrameCounter(out, scene, i).count();
   };
   make_and_use(scene.frames.size(), count, [&](std::size_t i, const std::optional<FrameGhosts>& found) {

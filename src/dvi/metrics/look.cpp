@@ -7,6 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/core/frame_name.h"
 #include "dvi/core/threads.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/media/image_file.h"
@@ -166,15 +167,15 @@ cv::Rect find_region(const cv::Mat1b& kind) {
 
 LookFrame load_and_measure(const fs::path& out, const std::string& name,
                            const std::function<fs::path(const std::string& name)>& filled) {
-  const std::string file = name + ".png";
-  const cv::Size size = media::image_size(out / "frames" / file);
+  const cv::Size size = media::image_size(out / picture_file("frames", name));
   LookImages images;
-  images.kind = media::read_png_gray(out / "kind" / file, size);
+  images.kind = media::read_png_gray(out / picture_file("kind", name), size);
   LookFrame frame;
   if (cv::countNonZero(find_filled(images.kind)) > 0) {
-    images.frame = media::read_image(out / "frames" / file, size);
+    images.frame = media::read_image(out / picture_file("frames", name), size);
     if (filled) media::read_image(filled(name), size).copyTo(images.frame, images.kind);
-    if (fs::is_directory(out / "depth")) images.ground = find_ground_pixels(media::read_png_depth(out / "depth" / file, size));
+    if (const fs::path depth = out / picture_file("depth", name); fs::is_directory(depth.parent_path()))
+      images.ground = find_ground_pixels(media::read_png_depth(depth, size));
     frame = measure_look(images);
   }
   frame.name = name;
@@ -274,7 +275,7 @@ std::optional<Look> measure_look(const fs::path& out, const std::vector<std::str
     look.frames[i] = load_and_measure(out, names[i], filled);
     tick();
   };
-  parallel_in_order(names.size(), measure, media::estimate_image_bytes(out / "frames", names, kLookBytesPerPixel));
+  parallel_in_order(names.size(), measure, media::estimate_image_bytes(out, "frames", names, kLookBytesPerPixel));
   for (const LookFrame& frame : look.frames) look.total += frame.sums;
   return look.total.pixels > 0 ? std::optional(std::move(look)) : std::nullopt;
 }

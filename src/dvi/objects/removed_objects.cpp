@@ -131,8 +131,9 @@ std::string describe_frames(const std::vector<int>& frames) {
 std::string describe_residue(const RemovedObject& object) {
   const ObjectResidue& residue = *object.residue;
   const bool is_unmasked = 2 * residue.unmasked_frames > residue.frames.size();
-  return fmt::format("object {}{} remains visible in {}: {}", object.number,
+  return fmt::format("object {}{} remains visible in {}{}: {}", object.number,
                      object.type.empty() ? "" : " (" + object.type + ")", describe_frames(residue.frames),
+                     object.camera.empty() ? "" : " of " + object.camera,
                      is_unmasked ? "most of it was not removed" : "its pixels in other frames were used as sources");
 }
 
@@ -197,24 +198,28 @@ std::vector<RemovedObject> list_removed_objects(const CameraEvidence& evidence, 
 }
 
 ObjectCounts count_objects(const std::vector<RemovedObject>& objects) {
-  ObjectCounts out{.removed = objects.size()};
-  std::set<int> frames;
+  std::set<int> removed, completed, late, with_gaps, visible;
+  std::set<std::pair<std::string, int>> frames;
   for (const RemovedObject& object : objects) {
-    out.completed += object.completed.empty() ? 0 : 1;
-    out.visible += is_visible(object) ? 1 : 0;
-    frames.insert(object.completed.begin(), object.completed.end());
+    removed.insert(object.number);
+    if (!object.completed.empty()) completed.insert(object.number);
+    if (is_visible(object)) visible.insert(object.number);
+    for (const int frame : object.completed) frames.emplace(object.camera, frame);
     std::vector<int> whole;
     std::set_difference(object.frames.begin(), object.frames.end(), object.completed.begin(), object.completed.end(),
                         std::back_inserter(whole));
     if (whole.empty()) continue;
-    out.late += !object.completed.empty() && object.completed.front() < whole.front() ? 1 : 0;
-    out.with_gaps += std::any_of(object.completed.begin(), object.completed.end(),
-                                 [&](int frame) { return frame > whole.front() && frame < whole.back(); })
-                         ? 1
-                         : 0;
+    if (!object.completed.empty() && object.completed.front() < whole.front()) late.insert(object.number);
+    if (std::any_of(object.completed.begin(), object.completed.end(),
+                    [&](int frame) { return frame > whole.front() && frame < whole.back(); }))
+      with_gaps.insert(object.number);
   }
-  out.completed_frames = frames.size();
-  return out;
+  return {.removed = removed.size(),
+          .completed = completed.size(),
+          .completed_frames = frames.size(),
+          .late = late.size(),
+          .with_gaps = with_gaps.size(),
+          .visible = visible.size()};
 }
 
 void to_json(nlohmann::json& json, const ObjectCounts& counts) {
@@ -251,7 +256,7 @@ std::vector<std::string> describe_visible(const std::vector<RemovedObject>& obje
 
 nlohmann::json objects_json(const std::vector<RemovedObject>& objects) {
   nlohmann::json list = nlohmann::json::array();
-  for (const RemovedObject& object : objects)
+  for (const RemovedObject& object : objects) {
     list.push_back({{"object", object.number},
                     {"class", object.type.empty() ? nlohmann::json() : nlohmann::json(object.type)},
                     {"evidence", to_string(object.evidence)},
@@ -262,6 +267,8 @@ nlohmann::json objects_json(const std::vector<RemovedObject>& objects) {
                     {"completed_frames", object.completed},
                     {"removed_pixels", object.pixels},
                     {"residue", residue_json(object)}});
+    if (!object.camera.empty()) list.back()["camera"] = object.camera;
+  }
   return {{"schema", "dvi-objects/1"}, {"objects", list}};
 }
 

@@ -24,6 +24,7 @@ struct ObjectResidue {
 
 /// One removed object in the frames of a camera.
 struct RemovedObject {
+  std::string camera;  ///< empty if the result has one camera
   int number = -1;
   std::string type;  ///< its class, in lower case; empty if it is unknown
   MotionState motion = MotionState::unknown;
@@ -43,7 +44,7 @@ std::vector<RemovedObject> list_removed_objects(const CameraEvidence& evidence, 
 /// Returns the motion of the objects of a camera, by number; unknown ones are missing.
 std::map<int, MotionState> find_motions(const CameraEvidence& evidence, const CameraObjects& objects);
 
-/// Counts of removed objects, for summaries.
+/// Counts of removed objects, for summaries. An object that several cameras show is one object.
 struct ObjectCounts {
   std::size_t removed = 0;
   std::size_t completed = 0;         ///< those that were completed in at least one frame

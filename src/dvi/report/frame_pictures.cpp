@@ -3,6 +3,7 @@
 #include <exception>
 
 #include "dvi/core/error.h"
+#include "dvi/core/frame_name.h"
 #include "dvi/media/image_file.h"
 #include "dvi/media/write_image.h"
 
@@ -12,7 +13,7 @@ FramePictures read_pictures(const fs::path& out, const std::string& name, bool a
   FramePictures pictures;
   cv::Size size;
   const auto read = [&](const char* folder, auto& picture, const auto& reader) {
-    const std::string file = std::string(folder) + "/" + name + ".png";
+    const std::string file = picture_file(folder, name);
     try {
       if (size.empty()) size = media::image_size(out / file);
       picture = reader(out / file, size);

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/frame_name.h"
 #include "dvi/core/json_file.h"
 #include "dvi/core/json_text.h"
 #include "dvi/harmonize/filled_frame.h"
@@ -35,11 +36,11 @@ json read_document(const fs::path& file) {
 
 /// Returns the name of a frame that is given by its name or by its number in the drive.
 std::string find_name(const fs::path& out, const std::string& frame) {
-  if (fs::exists(out / "frames" / (frame + ".png"))) return frame;
+  if (fs::exists(out / picture_file("frames", frame))) return frame;
   const json run = read_document(out / "report.json");
   std::string first, last;
   for (const json& entry : run.value("frames", json::array())) {
-    last = entry.value("name", "");
+    last = join_frame_name(entry.value("camera", ""), entry.value("name", ""));
     if (first.empty()) first = last;
     if (std::to_string(entry.value("number", -1)) == frame) return last;
   }
@@ -47,21 +48,23 @@ std::string find_name(const fs::path& out, const std::string& frame) {
                    first.empty() ? "" : fmt::format("its frames are {} to {}", first, last));
 }
 
+/// Returns the number of frames from a frame of the result to a source of its own camera; none for other sources.
 std::optional<int> compute_frames_apart(const json& sources, std::size_t number, const std::string& frame) {
   const json& source = sources.at(number);
+  const std::string camera =
+      camera_of_frame(frame).empty() ? sources[0].at("camera").get<std::string>() : camera_of_frame(frame);
+  if (source.at("drive") != sources[0].at("drive") || source.at("camera") != camera) return std::nullopt;
   for (std::size_t i = 0; i < sources.size(); ++i)
-    if (sources[i].at("frame") == frame && sources[i].at("drive") == sources[0].at("drive") &&
-        sources[i].at("camera") == sources[0].at("camera"))
-      return source.at("drive") == sources[0].at("drive") && source.at("camera") == sources[0].at("camera")
-                 ? std::optional(static_cast<int>(number) - static_cast<int>(i))
-                 : std::nullopt;
+    if (sources[i].at("frame") == image_of_frame(frame) && sources[i].at("drive") == source.at("drive") &&
+        sources[i].at("camera") == camera)
+      return static_cast<int>(number) - static_cast<int>(i);
   return std::nullopt;
 }
 
 /// Returns the external file of a frame by report.json.
 std::optional<ExternalSource> find_external(const fs::path& out, const std::string& name) {
   for (const json& entry : read_document(out / "report.json").value("frames", json::array()))
-    if (entry.value("name", "") == name && entry.contains("external"))
+    if (join_frame_name(entry.value("camera", ""), entry.value("name", "")) == name && entry.contains("external"))
       return ExternalSource{entry.at("external").at("file"), entry.at("external").at("xxh3")};
   return std::nullopt;
 }
@@ -86,25 +89,25 @@ PixelRecord read_record(const fs::path& out, const std::string& frame, cv::Point
   PixelRecord record;
   record.frame = find_name(out, frame);
   record.pixel = pixel;
-  const std::string png = record.frame + ".png";
-  const cv::Size size = media::image_size(out / "kind" / png);
+  const cv::Size size = media::image_size(out / picture_file("kind", record.frame));
   if (!cv::Rect({}, size).contains(pixel))
     throw InputError(out, fmt::format("has no pixel {}, {} in frame {}", pixel.x, pixel.y, record.frame),
                      fmt::format("X is 0 to {}, Y 0 to {}", size.width - 1, size.height - 1));
-  const auto kind = static_cast<std::size_t>(media::read_png_gray(out / "kind" / png, size)(pixel));
+  const auto kind = static_cast<std::size_t>(media::read_png_gray(out / picture_file("kind", record.frame), size)(pixel));
   if (kind >= kKinds.size())
-    throw InputError(out / "kind" / png, fmt::format("has the unknown kind {}", kind), "run dvi again");
+    throw InputError(out / picture_file("kind", record.frame), fmt::format("has the unknown kind {}", kind), "run dvi again");
   record.kind = kKinds[kind];
-  const cv::Vec3b color = media::read_image(out / "frames" / png, size)(pixel);
+  const cv::Vec3b color = media::read_image(out / picture_file("frames", record.frame), size)(pixel);
   record.color = {color[2], color[1], color[0]};
-  if (const ushort depth = media::read_png_depth(out / "depth" / png, size)(pixel); depth > 0) record.depth_m = depth / 256.0;
-  if (kind > 0) record.confidence = media::read_png_gray(out / "confidence" / png, size)(pixel) / 255.0;
-  const cv::Vec3w triple = media::read_png_triples(out / "provenance" / png, size)(pixel);
+  if (const ushort depth = media::read_png_depth(out / picture_file("depth", record.frame), size)(pixel); depth > 0)
+    record.depth_m = depth / 256.0;
+  if (kind > 0) record.confidence = media::read_png_gray(out / picture_file("confidence", record.frame), size)(pixel) / 255.0;
+  const cv::Vec3w triple = media::read_png_triples(out / picture_file("provenance", record.frame), size)(pixel);
   if (kind == static_cast<std::size_t>(harmonize::Kind::imported)) record.external = find_external(out, record.frame);
   if (triple[0] == 0) return record;
 
-  const cv::Vec3b used = media::read_image(out / "sources_used" / png, size)(pixel);
-  const cv::Vec3w change = media::read_png_triples(out / "harmonization" / png, size)(pixel);
+  const cv::Vec3b used = media::read_image(out / picture_file("sources_used", record.frame), size)(pixel);
+  const cv::Vec3w change = media::read_png_triples(out / picture_file("harmonization", record.frame), size)(pixel);
   const harmonize::Provenance from = harmonize::Provenance::decode(triple, used);
   const json sources = read_document(out / "sources.json").value("sources", json::array());
   if (static_cast<std::size_t>(from.view) >= sources.size())
@@ -183,7 +186,7 @@ std::string to_json(const PixelRecord& record) {
 
 void write_crops(const fs::path& folder, const fs::path& out, const PixelRecord& record) {
   make_folder(folder);
-  const fs::path frame = out / "frames" / (record.frame + ".png");
+  const fs::path frame = out / picture_file("frames", record.frame);
   media::write_png(folder / "result.png", crop(media::read_image(frame, media::image_size(frame)), record.pixel));
   if (!record.source || !fs::exists(record.source->file)) return;
   const fs::path& file = record.source->file;

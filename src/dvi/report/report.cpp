@@ -10,6 +10,7 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/frame_name.h"
 #include "dvi/core/json_file.h"
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
@@ -117,7 +118,7 @@ class ReportWriter {
           add(frame.unobserved, unobserved);
           tick();
         },
-        media::estimate_image_bytes(out_ / "kind", names_, kReportBytesPerPixel));
+        media::estimate_image_bytes(out_, "kind", names_, kReportBytesPerPixel));
     write_sources();
     for (const PageFile& file : get_page_files())
       if (file.name != "report.html") write(std::string("report/") + std::string(file.name), std::string(file.bytes));
@@ -134,8 +135,8 @@ class ReportWriter {
     const std::string& name = names_[i];
     const bool is_written = !in_.written.empty() && in_.written[i] != 0;
     const FramePictures pictures = read_pictures(out_, name, !is_written);
-    FrameEntry frame{{{"picture", to_url("frames/" + name + ".png")}, {"missing", pictures.missing}, {"truth", false}}, {}};
-    if (!fs::exists(out_ / "frames" / (name + ".png"))) frame.entry["missing"].push_back("frames/" + name + ".png");
+    FrameEntry frame{{{"picture", to_url(picture_file("frames", name))}, {"missing", pictures.missing}, {"truth", false}}, {}};
+    if (!fs::exists(out_ / picture_file("frames", name))) frame.entry["missing"].push_back(picture_file("frames", name));
     if (pictures.kind.empty()) return frame;
     const Uncertainty uncertainty = estimate_uncertainty(pictures.kind, pictures.confidence);
     const cv::Rect& worst = uncertainty.worst;
@@ -156,9 +157,17 @@ class ReportWriter {
     return frame;
   }
 
+  /// Whether a source is a frame of the result, if the frames before it are.
   bool is_of_target(const json& source) const {
-    return source.value("drive", "") == list_[0].value("drive", "") &&
-           source.value("camera", "") == list_[0].value("camera", "");
+    const std::vector<std::string> cameras = list_cameras(names_);
+    const std::string camera = source.value("camera", "");
+    const bool is_cleaned =
+        camera == list_[0].value("camera", "") || std::find(cameras.begin(), cameras.end(), camera) != cameras.end();
+    return source.value("drive", "") == list_[0].value("drive", "") && is_cleaned;
+  }
+  bool is_frame(const json& source, const std::string& name) const {
+    const std::string camera = camera_of_frame(name);
+    return source.value("frame", "") == image_of_frame(name) && (camera.empty() || source.value("camera", "") == camera);
   }
 
   fs::path find_input(std::size_t number) const {
@@ -166,9 +175,9 @@ class ReportWriter {
   }
   /// Sources have the numbers of the frames, unless frames of the result are missing.
   fs::path find_input(const std::string& name, std::size_t i) const {
-    if (i < own_ && list_[i].value("frame", "") == name) return find_input(i);
+    if (i < own_ && is_frame(list_[i], name)) return find_input(i);
     for (std::size_t k = 0; k < own_; ++k)
-      if (list_[k].value("frame", "") == name) return find_input(k);
+      if (is_frame(list_[k], name)) return find_input(k);
     return {};
   }
 
@@ -177,7 +186,7 @@ class ReportWriter {
     if (in_.truth.empty()) return {};
     const cv::Size size = pictures.kind.size();
     const cv::Mat3b truth = read_frame(in_.truth / (names_[i] + ".png"), size);
-    const cv::Mat3b frame = read_frame(out_ / "frames" / (names_[i] + ".png"), size);
+    const cv::Mat3b frame = read_frame(out_ / picture_file("frames", names_[i]), size);
     if (truth.empty() || frame.empty()) return {};
     write_patch(out_ / make_path("truth/", i, ".png"), truth, pictures.kind);
     return compute_largest_difference(truth, frame);

@@ -19,6 +19,7 @@
 #include "dvi/report/report.h"
 #include "dvi/result/manifest.h"
 #include "dvi/result/result_folder.h"
+#include "dvi/result/result_layout.h"
 #include "dvi/result/result_media.h"
 #include "dvi/result/run_report.h"
 #include "dvi/result/write_report.h"
@@ -118,7 +119,7 @@ FillImages FillImport::read_run_images(std::size_t frame) const {
 
 void FillImport::begin() {
   for (const char* folder : kChangedPictures) make_folder(out_ / file_before_import(folder));
-  for (const fs::path& folder : list_own_folders(out_))
+  for (const fs::path& folder : list_own_folders(out_, {""}))
     if (fs::exists(folder)) remove_temporaries(folder);  // an interrupted import leaves some
   Manifest manifest = *read_manifest(result_manifest(out_));
   manifest.fingerprint.clear();
@@ -210,7 +211,9 @@ void FillImport::write_reports(Progress& progress) const {
 }
 
 void FillImport::finish(Progress& progress) {
-  write_media(out_, {names_, size_, [&](std::size_t i) { return read_input(i); }}, job_.options.video, progress);
+  progress.begin("video", names_.size());
+  write_media(out_, {names_, size_, [&](std::size_t i) { return read_input(i); }}, job_.options.video, progress.tick());
+  progress.end();
   write_reports(progress);
   const std::array<std::string, 2> folders{file_before_import("frames"), file_before_import("kind")};
   std::error_code in_use;  // folders of other imported frames remain

@@ -1,5 +1,6 @@
 #include "dvi/result/frame_files.h"
 
+#include "dvi/core/frame_name.h"
 #include "dvi/depth/depth_map.h"
 #include "dvi/harmonize/provenance.h"
 #include "dvi/media/write_image.h"
@@ -23,7 +24,6 @@ void write_pictures(const OutputFrame& to, const harmonize::FilledFrame& frame, 
   const auto& [out, name, view] = to;
   cv::Mat3b color;
   frame.color.convertTo(color, CV_8U);
-  const std::string png = name + ".png";
   const report::FramePictures pictures{.kind = frame.kind,
                                        .confidence = frame.confidence,
                                        .depth = encode_depth(frame.depth),
@@ -31,14 +31,14 @@ void write_pictures(const OutputFrame& to, const harmonize::FilledFrame& frame, 
                                        .harmonization = harmonize::compute_harmonization(views, view, color, frame),
                                        .used = frame.used,
                                        .missing = {}};
-  media::write_png(out / "masks" / png, frame.mask);
-  media::write_png(out / "kind" / png, pictures.kind);
-  media::write_png(out / "provenance" / png, pictures.provenance);
-  media::write_png(out / "sources_used" / png, pictures.used);
-  media::write_png(out / "harmonization" / png, pictures.harmonization);
-  media::write_png(out / "confidence" / png, pictures.confidence);
-  media::write_png(out / "depth" / png, pictures.depth);
-  media::write_png(out / "frames" / png, color);
+  media::write_png(out / picture_file("masks", name), frame.mask);
+  media::write_png(out / picture_file("kind", name), pictures.kind);
+  media::write_png(out / picture_file("provenance", name), pictures.provenance);
+  media::write_png(out / picture_file("sources_used", name), pictures.used);
+  media::write_png(out / picture_file("harmonization", name), pictures.harmonization);
+  media::write_png(out / picture_file("confidence", name), pictures.confidence);
+  media::write_png(out / picture_file("depth", name), pictures.depth);
+  media::write_png(out / picture_file("frames", name), color);
   report::write_frame(out, view, pictures, *views.images[view]);  // reading the pictures again would double the time
 }
 

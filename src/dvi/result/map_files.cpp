@@ -34,23 +34,23 @@ std::string format_tum(std::int64_t time_ns, const SE3& pose) {
                      pose.t.z(), q.x(), q.y(), q.z(), q.w());
 }
 
-std::vector<SE3> camera_poses(const Views& views) {
+std::vector<SE3> camera_poses(const Views& views, int sequence) {
   std::vector<SE3> poses;
   for (const View& view : views.views)
-    if (view.sequence == 0) poses.push_back(view.camera_from_world.inverse());
+    if (view.sequence == sequence) poses.push_back(view.camera_from_world.inverse());
   return poses;
 }
 
-std::string format_poses(const Views& views) {
+std::string format_poses(const Views& views, int sequence) {
   std::string text;
-  for (const SE3& pose : camera_poses(views)) text += format_kitti(pose);
+  for (const SE3& pose : camera_poses(views, sequence)) text += format_kitti(pose);
   return text;
 }
 
-std::string format_times(const Views& views) {
+std::string format_times(const Views& views, int sequence) {
   std::string text;
   for (const View& view : views.views)
-    if (view.sequence == 0) text += to_seconds(view.time_ns) + "\n";
+    if (view.sequence == sequence) text += to_seconds(view.time_ns) + "\n";
   return text;
 }
 
@@ -150,17 +150,22 @@ std::vector<report::ObjectPath> collect_object_paths(const FrameLabels& labels, 
 }
 
 void write_map_files(const fs::path& folder, const MapContents& contents) {
-  const auto& [map, views, target, objects] = contents;
+  const auto& [map, views, target, objects, cameras] = contents;
   make_folder(folder);
-  write_file(folder / "poses.txt", format_poses(views));
-  write_file(folder / "times.txt", format_times(views));
+  write_file(folder / "poses.txt", format_poses(views, 0));
+  write_file(folder / "times.txt", format_times(views, 0));
+  for (std::size_t k = 0; k < cameras.size() && cameras.size() > 1; ++k) {
+    make_folder(folder / cameras[k]);
+    write_file(folder / cameras[k] / "poses.txt", format_poses(views, static_cast<int>(k)));
+    write_file(folder / cameras[k] / "times.txt", format_times(views, static_cast<int>(k)));
+  }
   const std::string name = target.path.filename().string();
   const Colors color = sample_colors(map, views);
   write_map(folder / "map.ply", map, color, "dvi map of " + name);
   report::write_top_view(folder, {.map = map,
                                   .color = [&](std::size_t point) { return color[point]; },
                                   .camera = target.camera,
-                                  .world_from_camera = camera_poses(views),
+                                  .world_from_camera = camera_poses(views, 0),
                                   .tracks = objects});
   write_removed(folder / "moving.ply", map.removed, "taken out of the dvi map of " + name);
 }

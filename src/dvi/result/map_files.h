@@ -20,9 +20,11 @@ struct MapContents {
   const Views& views;
   const Drive& target;
   std::vector<report::ObjectPath> objects;  ///< paths of the target's objects
+  std::vector<std::string> cameras{};       ///< the cleaned cameras; if there are several, each has poses of its own
 };
 
 /// Writes to a folder: poses.txt (world_from_camera in KITTI's format, one line per frame of the target), times.txt (seconds),
+/// CAMERA/poses.txt and CAMERA/times.txt of each camera if there are several,
 /// map.ply (with the colors of points that the target's frames observe), moving.ply (removed points, colored by cause), and
 /// map.png and above.json (report/above.h).
 void write_map_files(const fs::path& folder, const MapContents& contents);

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/frame_name.h"
 #include "dvi/core/json_optional.h"
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
@@ -36,22 +37,6 @@ namespace dvi::result {
 namespace {
 
 fs::path job_file(const fs::path& out) { return out / ".dvi/job.json"; }
-
-std::vector<std::string> list_pictures(const std::string& name) {
-  std::vector<std::string> files;
-  for (const std::string& folder : picture_folders()) files.push_back(folder + "/" + name + ".png");
-  return files;
-}
-
-/// Lists the existing files that complete() writes; a baseline has no map. Reports and options are left out, because they
-/// contain times and paths, and because the report is written again when a result is scored.
-std::vector<std::string> list_other_files(const fs::path& out) {
-  std::vector<std::string> files{"sources.json", "objects.json",   "video.mp4",     "compare.mp4",
-                                 "contact.png",  "map/poses.txt",  "map/times.txt", "map/map.json",
-                                 "map/map.ply",  "map/moving.ply", "map/map.png",   "map/above.json"};
-  std::erase_if(files, [&](const std::string& file) { return !fs::exists(out / file); });
-  return files;
-}
 
 /// Returns the counts of the removed objects, and sentences about those that remain visible.
 nlohmann::json objects_summary(const std::vector<objects::RemovedObject>& removed) {
@@ -82,31 +67,10 @@ void require_apart_from(const fs::path& input, const fs::path& out) {
 
 }  // namespace
 
-const std::vector<std::string>& picture_folders() {
-  static const std::vector<std::string> folders{"frames",       "masks",         "kind",       "provenance",
-                                                "sources_used", "harmonization", "confidence", "depth"};
-  return folders;
-}
-
-std::vector<fs::path> list_own_folders(const fs::path& out) {
-  std::vector<fs::path> folders{out, out / ".dvi", out / ".dvi/frames", out / ".dvi/masks", out / ".dvi/report"};
-  for (const std::string& folder : picture_folders()) folders.push_back(out / folder);
-  for (const char* folder : {"map", "report", "report/before", "report/truth", "report/sources", ".dvi/before_import/frames",
-                             ".dvi/before_import/kind"})
-    if (fs::exists(out / folder)) folders.push_back(out / folder);
-  return folders;
-}
-
-fs::path frame_manifest(const fs::path& out, const std::string& name) { return out / ".dvi/frames" / (name + ".json"); }
-
-fs::path result_manifest(const fs::path& out) { return out / ".dvi/result.json"; }
-
-std::string file_before_import(const std::string& picture) { return ".dvi/before_import/" + picture; }
-
 std::string describe_progress(const fs::path& out) {
-  const std::vector<fs::path> manifests = list_files(out / ".dvi/frames", {".json"});
-  const auto finished = std::count_if(manifests.begin(), manifests.end(), [](const fs::path& file) {
-    const std::optional<Manifest> manifest = read_manifest(file);
+  const std::vector<std::string> begun = list_begun_frames(out);
+  const auto finished = std::count_if(begun.begin(), begun.end(), [&](const std::string& name) {
+    const std::optional<Manifest> manifest = read_manifest(frame_manifest(out, name));
     return manifest && manifest->content;
   });
   std::vector<std::string> kept = list_cached_stages(out);
@@ -136,6 +100,7 @@ ResultFolder::ResultFolder(const job::Job& job, const inputs::Recordings& drives
       content_(content.empty() ? content_of(drives) : std::move(content)),
       fingerprint_(fingerprint_of(job, content_)) {
   require_apart(job);
+  if (cameras().size() > 1) require_camera_names(out_, cameras());
   refuse_other_drives();
 }
 
@@ -185,7 +150,7 @@ void ResultFolder::claim() {
   lock_.emplace(out_, out_ / ".dvi/lock");
   created_ = created;     // only the process that locked the folder may remove it
   refuse_other_drives();  // another run may have begun and ended since the constructor
-  for (const fs::path& folder : list_own_folders(out_)) {
+  for (const fs::path& folder : list_own_folders(out_, cameras())) {
     make_folder(folder);
     remove_temporaries(folder);
   }
@@ -204,7 +169,7 @@ void ResultFolder::claim_section() {
 void ResultFolder::join() {
   lock_.emplace(out_, out_ / ".dvi/lock", FolderLock::Hold::shared);
   require_plan_of(out_, job_, drives_);  // another process may have made a new plan since the constructor
-  for (const fs::path& folder : list_own_folders(out_)) make_folder(folder);
+  for (const fs::path& folder : list_own_folders(out_, cameras())) make_folder(folder);
 }
 
 void ResultFolder::claim_plan() {
@@ -239,13 +204,21 @@ void ResultFolder::write_section_cost(std::size_t section, const CostReport& cos
   planned_ = true;
 }
 
-std::string ResultFolder::frame_name(const Views& views, std::size_t view) const {
-  return drives_.front().drive.frames[views[view].frame].name;
+std::vector<std::string> ResultFolder::cameras() const {
+  std::vector<std::string> names;
+  for (const inputs::Recording& open : drives_)
+    if (open.is_cleaned) names.push_back(open.drive.camera_name);
+  return names.size() > 1 ? names : std::vector<std::string>{""};
+}
+
+std::string ResultFolder::frame_name(const View& view) const {
+  const auto sequence = static_cast<std::size_t>(view.sequence);
+  return join_frame_name(cameras()[sequence], drives_[sequence].drive.frames[view.frame].name);
 }
 
 std::vector<std::size_t> ResultFolder::find_missing_frames(const Views& views, Progress& progress) {
   const std::size_t count = views.targets();
-  for (std::size_t i = 0; i < count; ++i) names_.push_back(frame_name(views, i));
+  for (std::size_t i = 0; i < count; ++i) names_.push_back(frame_name(views[i]));
   std::vector<char> finished(count), stale(count), imported(count);
   parallel_for(count, [&](std::size_t i) {
     finished[i] = is_finished(names_[i]) ? 1 : 0;
@@ -271,18 +244,20 @@ std::function<void(std::size_t, const FilledView&)> ResultFolder::make_writer(co
                                                                               const FinishedFrame& hand_on) const {
   const auto source_masks = std::make_shared<SourceMasks>(out_, views);
   return [&, this, source_masks, hand_on](std::size_t view, const FilledView& finished) {
-    const Frame& frame = drives_.front().drive.frames[views[view].frame];
+    const Frame& frame = drives_[static_cast<std::size_t>(views[view].sequence)].drive.frames[views[view].frame];
+    const std::string name = frame_name(views[view]);
     cpu.time("write", [&] {
-      std::ofstream begun(frame_manifest(frame.name));  // an empty manifest marks the pictures as dvi's, but unfinished
+      std::ofstream begun(frame_manifest(name));  // an empty manifest marks the pictures as dvi's, but unfinished
       begun.close();
-      write_pictures({out_, frame.name, view}, finished.frame, views);
-      std::vector<std::string> files = list_pictures(frame.name);
+      write_pictures({out_, name, view}, finished.frame, views);
+      std::vector<std::string> files = list_pictures(name);
       const std::vector<std::string> masks = source_masks->write(finished.frame.provenance);
       files.insert(files.end(), masks.begin(), masks.end());
-      write_manifest(frame_manifest(frame.name),
-                     {fingerprint_, list_contents(out_, files),
-                      std::make_shared<const nlohmann::json>(frame_json(frame, finished, cameras.views[view]))});
-      write_report_frame_manifest(out_, frame.name, view, fingerprint_);
+      write_manifest(
+          frame_manifest(name),
+          {fingerprint_, list_contents(out_, files),
+           std::make_shared<const nlohmann::json>(frame_json(camera_of_frame(name), frame, finished, cameras.views[view]))});
+      write_report_frame_manifest(out_, name, view, fingerprint_);
     });
     hand_on(view, finished.frame);
   };
@@ -290,12 +265,11 @@ std::function<void(std::size_t, const FilledView&)> ResultFolder::make_writer(co
 
 void ResultFolder::remove_other_frames() const {
   const std::set<std::string> own(names_.begin(), names_.end());
-  for (const fs::path& manifest : list_files(out_ / ".dvi/frames", {".json"})) {
-    const std::string name = manifest.stem().string();
+  for (const std::string& name : list_begun_frames(out_)) {
     if (own.contains(name)) continue;
     for (const std::string& picture : list_pictures(name))
       if (const fs::path file = out_ / picture; !fs::is_symlink(file.parent_path())) fs::remove(file);
-    fs::remove(manifest);
+    fs::remove(frame_manifest(name));
   }
 }
 
@@ -304,21 +278,25 @@ void ResultFolder::remove_unlisted_files() const {
   for (const std::string& name : names_)
     if (const std::optional<Manifest> manifest = read_manifest(frame_manifest(name)))
       for (const ListedFile& file : manifest->files) own.insert(file.file);
-  for (const char* folder : {".dvi/masks/", ".dvi/before_import/frames/", ".dvi/before_import/kind/"})
+  std::vector<std::string> folders{".dvi/masks/"};
+  for (const std::string& camera : cameras())
+    for (const char* folder : {"frames/", "kind/"}) folders.push_back(file_before_import(join_frame_name(camera, folder)));
+  for (const std::string& folder : folders)
     for (const fs::path& file : list_files(out_ / folder, {".png"}))
       if (!own.contains(folder + file.filename().string())) fs::remove(file);
 }
 
 void ResultFolder::remove_map() const {
   if (!fs::is_directory(fs::symlink_status(out_ / "map"))) return;
-  for (const std::string& file : list_other_files(out_))
+  for (const std::string& file : list_other_files(out_, cameras()))
     if (file.starts_with("map/")) fs::remove(out_ / file);
   if (fs::is_empty(out_ / "map")) fs::remove(out_ / "map");
 }
 
 RunReport ResultFolder::make_report(const RunResults& results, const std::vector<objects::RemovedObject>& removed,
                                     const metrics::FiguresWithoutTruth& figures, const Progress& progress) const {
-  nlohmann::json frames = nlohmann::json::array();
+  nlohmann::json frames = nlohmann::json::array(), camera_names = nlohmann::json::array();
+  for (std::size_t k = 0; k < cameras().size(); ++k) camera_names.push_back(drives_[k].drive.camera_name);
   HoleReport hole;
   for (const std::string& name : names_) {
     const std::optional<Manifest> manifest = read_manifest(frame_manifest(name));
@@ -335,6 +313,7 @@ RunReport ResultFolder::make_report(const RunResults& results, const std::vector
                     {"version", kVersion},
                     {"method", to_string(job_.method)},
                     {"baseline", job::is_baseline(job_.method)},
+                    {"cameras", camera_names},
                     {"drives", drives_json(drives_, results.poses, results.cameras)},
                     {"hole", hole},
                     {"artifacts", figures.artifacts},
@@ -347,26 +326,55 @@ RunReport ResultFolder::make_report(const RunResults& results, const std::vector
                     {"frames", frames}});
 }
 
+std::vector<objects::RemovedObject> ResultFolder::list_removed(const RunResults& results) const {
+  std::vector<objects::RemovedObject> all;
+  const std::vector<std::string> names = cameras();
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const objects::CameraEvidence evidence = inputs::evidence_of(drives_[k], results.poses[k].world_from_lidar);
+    const ResultOfCamera result{out_, names[k], static_cast<int>(k)};
+    for (objects::RemovedObject& object : objects::list_removed_objects(
+             evidence, results.objects[k], job_.options.masks, make_result_reader(result, drives_[k].drive, results.views))) {
+      object.camera = names[k];
+      all.push_back(std::move(object));
+    }
+  }
+  return all;
+}
+
+void ResultFolder::write_media(const RunResults& results, Progress& progress) const {
+  progress.begin("video", names_.size());
+  const std::vector<std::string> names = cameras();
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto [first, last] = results.views.of_sequence(static_cast<int>(k));
+    const Drive& drive = drives_[k].drive;
+    const auto read_input = [&, first](std::size_t i) { return *drive.images[results.views[first + i].frame]; };
+    result::write_media(
+        out_,
+        {{names_.begin() + static_cast<std::ptrdiff_t>(first), names_.begin() + static_cast<std::ptrdiff_t>(last)},
+         {drive.camera.width, drive.camera.height},
+         read_input},
+        job_.options.video, progress.tick());
+  }
+}
+
 RunReport ResultFolder::complete(const RunResults& results, Progress& progress) {
   const Drive& target = drives_.front().drive;
   remove_other_frames();
   remove_unlisted_files();
   write_file(out_ / "sources.json", json_text(sources_json(results.views, drives_)) + "\n");
-  const objects::CameraEvidence evidence = inputs::evidence_of(drives_.front(), results.poses.front().world_from_lidar);
-  const auto removed = objects::list_removed_objects(evidence, results.objects, job_.options.masks,
-                                                     make_result_reader(out_, target, results.views));
+  const std::vector<objects::RemovedObject> removed = list_removed(results);
   write_file(out_ / "objects.json", json_text(objects::objects_json(removed)) + "\n");
   if (results.map != nullptr) {
-    write_map_files(out_ / "map",
-                    {*results.map, results.views, target,
-                     collect_object_paths(*results.objects.labels, results.views, results.poses.front().world_from_lidar)});
+    write_map_files(out_ / "map", {*results.map, results.views, target,
+                                   collect_object_paths(*results.objects.front().labels, results.views,
+                                                        results.poses.front().world_from_lidar),
+                                   cameras()});
     write_file(out_ / "map/map.json", json_text(map_json(*results.map)) + "\n");
   } else {
     remove_map();  // left by an earlier run with another method
     remove_stages(out_);
   }
-  const auto read_input = [&](std::size_t i) { return *target.images[results.views[i].frame]; };
-  write_media(out_, {names_, {target.camera.width, target.camera.height}, read_input}, job_.options.video, progress);
+  write_media(results, progress);
   const metrics::FiguresWithoutTruth figures = metrics::measure_without_truth(out_, names_, progress.parts());
   progress.end();
   write_file(out_ / "dvi.toml", format_options());
@@ -382,7 +390,7 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
         return text;
       },
       progress.tick());
-  write_manifest(result_manifest(), {fingerprint_, list_contents(out_, list_other_files(out_))});
+  write_manifest(result_manifest(), {fingerprint_, list_contents(out_, list_other_files(out_, cameras()))});
   return *finished;
 }
 

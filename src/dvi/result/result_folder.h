@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "dvi/metrics/without_truth.h"
 #include "dvi/objects/removed_objects.h"
 #include "dvi/result/filled_view.h"
+#include "dvi/result/result_layout.h"
 #include "dvi/result/run_report.h"
 #include "dvi/result/stage_cache.h"
 
@@ -22,16 +24,6 @@ void require_usable_folder(const job::Job& job);
 /// Throws InputError if job.out is, contains, or is inside of an input of the job. Changes no file.
 void require_apart(const job::Job& job);
 
-/// Lists the folders that a run writes to.
-std::vector<fs::path> list_own_folders(const fs::path& out);
-
-/// Return the manifests of a finished frame, and of the files other than the frames.
-fs::path frame_manifest(const fs::path& out, const std::string& name);
-fs::path result_manifest(const fs::path& out);
-
-/// Returns the place of an image of the run that an import replaced; both are relative to the result (frames/NAME.png).
-std::string file_before_import(const std::string& picture);
-
 /// The results of a run that files other than the frames are written from.
 struct RunResults {
   const Views& views;
@@ -39,7 +31,8 @@ struct RunResults {
   const inputs::Poses& poses;
   const align::Cameras& cameras;
   const CpuClock& cpu;
-  const objects::CameraObjects& objects;  ///< removed objects of the target
+  /// Removed objects of each cleaned camera.
+  std::span<const objects::CameraObjects> objects;
 };
 
 /// Called with each frame of the target after it was written; may be empty.
@@ -104,7 +97,7 @@ class ResultFolder {
   /// Writes the cost of the plan of a section, for the process that completes the result.
   void write_section_cost(std::size_t section, const CostReport& cost);
 
-  /// Returns the names of the target's frames; empty before find_missing_frames() is called.
+  /// Returns the names of the target's frames (core/frame_name.h); empty before find_missing_frames() is called.
   const std::vector<std::string>& frame_names() const { return names_; }
 
   /// Returns a function that writes all files of a frame, its manifest last, and then passes the frame to `hand_on`. It may be
@@ -123,7 +116,10 @@ class ResultFolder {
   void refuse_other_drives() const;
   std::string format_options() const;  ///< the text of dvi.toml
   bool is_finished(const std::string& name) const;
-  std::string frame_name(const Views& views, std::size_t view) const;
+  std::vector<std::string> cameras() const;  ///< as list_cameras()
+  std::string frame_name(const View& view) const;
+  std::vector<objects::RemovedObject> list_removed(const RunResults& results) const;
+  void write_media(const RunResults& results, Progress& progress) const;
   void remove_other_frames() const;
   void remove_unlisted_files() const;
   void remove_map() const;
@@ -143,8 +139,5 @@ class ResultFolder {
 
 /// Returns a message about the finished parts of an interrupted run, which a repeated run uses.
 std::string describe_progress(const fs::path& out);
-
-/// Returns the folders of the pictures of a frame: "frames" for frames/NAME.png, and so on.
-const std::vector<std::string>& picture_folders();
 
 }  // namespace dvi::result

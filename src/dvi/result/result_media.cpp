@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
+#include "dvi/core/frame_name.h"
 #include "dvi/core/threads.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/media/contact_sheet.h"
@@ -72,19 +73,20 @@ std::vector<media::SheetCell> make_sheet_row(const cv::Mat3b& input, const cv::M
 
 }  // namespace
 
-void write_media(const fs::path& out, const FinishedFrames& frames, const media::VideoOptions& options, Progress& progress) {
+void write_media(const fs::path& out, const FinishedFrames& frames, const media::VideoOptions& options, const Tick& tick) {
   const std::vector<std::string>& names = frames.names;
   const cv::Size size = frames.size;
-  progress.begin("video", names.size());
-  media::VideoWriter video(out / "video.mp4", size, options);
-  media::VideoWriter compare(out / "compare.mp4", {size.width, 2 * (size.height + size.height % 2)}, options);
+  const std::string camera = camera_of_frame(names.front());
+  const fs::path folder = out / camera;
+  media::VideoWriter video(folder / "video.mp4", size, options);
+  media::VideoWriter compare(folder / "compare.mp4", {size.width, 2 * (size.height + size.height % 2)}, options);
   const std::size_t rows = std::min(kSheetRows, names.size());
   std::vector<std::vector<media::SheetCell>> sheet;
   std::vector<MediaFrame> items(names.size());
   const auto read = [&](std::size_t i) {
     items[i] = {frames.read_input(i),
-                media::read_image(out / "frames" / (names[i] + ".png"), size),
-                media::read_png_gray(out / "kind" / (names[i] + ".png"), size),
+                media::read_image(out / picture_file("frames", names[i]), size),
+                media::read_png_gray(out / picture_file("kind", names[i]), size),
                 {}};
     items[i].marked = mark_input(items[i].input, items[i].kind, names[i]);
   };
@@ -94,7 +96,7 @@ void write_media(const fs::path& out, const FinishedFrames& frames, const media:
     if (sheet.size() < rows && i == (rows > 1 ? sheet.size() * (names.size() - 1) / (rows - 1) : 0))
       sheet.push_back(make_sheet_row(items[i].input, items[i].result, items[i].kind, names[i]));
     items[i] = {};
-    progress.advance();
+    tick();
   };
   run_pipeline(names.size(),
                {{PipelineStep::Order::any, read},
@@ -103,7 +105,7 @@ void write_media(const fs::path& out, const FinishedFrames& frames, const media:
                kVideoBytesPerPixel * static_cast<std::size_t>(size.area()));
   video.finish();
   compare.finish();
-  media::write_png(out / "contact.png", media::make_contact_sheet(sheet, kCellWidthPx));
+  media::write_png(folder / "contact.png", media::make_contact_sheet(sheet, kCellWidthPx));
 }
 
 }  // namespace dvi::result

@@ -1,12 +1,16 @@
 #include "dvi/result/run_report.h"
 
 #include <algorithm>
+#include <numeric>
+
+#include <algorithm>
 #include <array>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "dvi/core/frame_name.h"
 #include "dvi/core/json_text.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/result/stage_json.h"
@@ -152,11 +156,38 @@ std::string describe_cost(const json& cost) {
 
 RunReport::RunReport(json document) : document_(std::make_shared<const json>(std::move(document))) {}
 
+std::string frame_name(const json& frame) { return join_frame_name(frame.value("camera", ""), frame.at("name")); }
+
+std::vector<std::size_t> RunReport::frame_order() const {
+  const json& frames = document().at("frames");
+  std::vector<std::size_t> order(frames.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return frames[a].at("number").get<int>() < frames[b].at("number").get<int>();
+  });
+  return order;
+}
+
 std::vector<std::string> RunReport::frame_names() const {
   std::vector<std::string> names;
-  for (const json& frame : document().at("frames")) names.push_back(frame.at("name"));
+  for (const json& frame : document().at("frames")) names.push_back(frame_name(frame));
   return names;
 }
+
+namespace {
+
+/// Lists the files for a person; those of each camera are in its folder.
+std::string describe_files(const std::string& out, std::size_t cameras) {
+  const std::string of_camera = cameras > 1 ? out + "/CAMERA" : out;
+  return fmt::format(
+      "\n  {0}/report.html  removed objects and the quality of the result: open it in a browser\n"
+      "  {1}/frames       the drive without its traffic\n  {1}/video.mp4    as a video\n"
+      "  {1}/compare.mp4  input above result\n  {1}/contact.png  some frames on one sheet\n"
+      "  {0}/report.json  all figures",
+      out, of_camera);
+}
+
+}  // namespace
 
 std::string RunReport::brief(const std::string& out) const {
   const auto hole = document().at("hole").get<HoleReport>();
@@ -167,13 +198,7 @@ std::string RunReport::brief(const std::string& out) const {
   text += describe_unobserved(hole) + describe_completed(document().at("objects")) +
           describe_residue(document().at("objects")) + describe_stationary(document().at("stationary"), hole);
   for (const json& drive : document().at("drives")) text += describe_registration(drive);
-  return text + describe_cost(document().at("cost")) +
-         fmt::format(
-             "\n  {0}/report.html  removed objects and the quality of the result: open it in a browser\n"
-             "  {0}/frames       the drive without its traffic\n  {0}/video.mp4    as a video\n"
-             "  {0}/compare.mp4  input above result\n  {0}/contact.png  some frames on one sheet\n"
-             "  {0}/report.json  all figures",
-             out);
+  return text + describe_cost(document().at("cost")) + describe_files(out, document().value("cameras", json::array()).size());
 }
 
 std::string to_json(const RunReport& report) { return json_text(report.document()); }

@@ -48,6 +48,9 @@ void from_json(const nlohmann::json& json, CostReport& report);
 /// Returns the cost of a run until now.
 CostReport make_cost_report(const Progress& progress, const CpuClock& clock, std::size_t frames_made);
 
+/// Returns the name of a frame in the result (core/frame_name.h) by its entry in report.json.
+std::string frame_name(const nlohmann::json& frame);
+
 /// The report of a run: the document report.json, which docs/reference.md describes.
 class RunReport {
  public:
@@ -57,6 +60,8 @@ class RunReport {
 
   const nlohmann::json& document() const { return *document_; }
   std::vector<std::string> frame_names() const;
+  /// Returns the indices of the frames in order of their numbers, which are those of time.
+  std::vector<std::size_t> frame_order() const;
 
   /// Returns a summary of a few lines: the shares of the hole by origin, registration, cost, and the files in `out`.
   std::string brief(const std::string& out) const;

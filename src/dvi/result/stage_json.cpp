@@ -177,19 +177,21 @@ json drives_json(const inputs::Recordings& drives, const inputs::Poses& poses, c
   return out;
 }
 
-json frame_json(const Frame& frame, const FilledView& view, const align::ViewAlignment& alignment) {
+json frame_json(const std::string& camera, const Frame& frame, const FilledView& view, const align::ViewAlignment& alignment) {
   const cv::Vec3f& gain = view.frame.gain;
-  return {{"number", frame.number},
-          {"name", frame.name},
-          {"hole", count_hole(view.frame.kind)},
-          {"energy", energy_json(view.energy)},
-          {"alignment",
-           {{"rotation_deg", array_of(alignment.rotation * kDegPerRad)},
-            {"position_m", array_of(alignment.position)},
-            {"offset_before_px", alignment.offset_before_px},
-            {"offset_after_px", alignment.offset_after_px},
-            {"points", alignment.points}}},
-          {"exposure_gain", {gain[2], gain[1], gain[0]}}};
+  json out{{"number", frame.number},
+           {"name", frame.name},
+           {"hole", count_hole(view.frame.kind)},
+           {"energy", energy_json(view.energy)},
+           {"alignment",
+            {{"rotation_deg", array_of(alignment.rotation * kDegPerRad)},
+             {"position_m", array_of(alignment.position)},
+             {"offset_before_px", alignment.offset_before_px},
+             {"offset_after_px", alignment.offset_after_px},
+             {"points", alignment.points}}},
+           {"exposure_gain", {gain[2], gain[1], gain[0]}}};
+  if (!camera.empty()) out["camera"] = camera;
+  return out;
 }
 
 json place_json(const FoundPlace& found) {

@@ -26,8 +26,10 @@ nlohmann::json map_json(const map::StaticMap& map);
 /// Returns one entry per drive, with its other cameras.
 nlohmann::json drives_json(const inputs::Recordings& drives, const inputs::Poses& poses, const align::Cameras& cameras);
 
-/// Returns the figures of one frame: its hole by origin, energies, alignment, and gain.
-nlohmann::json frame_json(const Frame& frame, const FilledView& view, const align::ViewAlignment& alignment);
+/// Returns the figures of one frame: its hole by origin, energies, alignment, and gain. `camera` is empty if the result has
+/// one.
+nlohmann::json frame_json(const std::string& camera, const Frame& frame, const FilledView& view,
+                          const align::ViewAlignment& alignment);
 
 /// Returns the place on Earth of the target's first LiDAR pose.
 nlohmann::json place_json(const FoundPlace& found);

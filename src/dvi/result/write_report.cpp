@@ -10,10 +10,12 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/frame_name.h"
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/report/report.h"
 #include "dvi/result/manifest.h"
+#include "dvi/result/result_layout.h"
 #include "dvi/result/run_report.h"
 
 namespace dvi::result {
@@ -62,8 +64,8 @@ json read_run(const fs::path& out, std::vector<std::string>& problems) {
   }
   HoleReport hole;
   json frames = json::array();
-  for (const fs::path& file : list_files(out / ".dvi/frames", {".json"}))
-    if (const std::optional<Manifest> manifest = read_manifest(file); manifest && manifest->content) {
+  for (const std::string& name : list_begun_frames(out))
+    if (const std::optional<Manifest> manifest = read_manifest(frame_manifest(out, name)); manifest && manifest->content) {
       frames.push_back(*manifest->content);
       hole += manifest->content->at("hole").get<HoleReport>();
     }
@@ -73,7 +75,7 @@ json read_run(const fs::path& out, std::vector<std::string>& problems) {
 std::vector<std::string> names_of(const json& run) {
   std::vector<std::string> names;
   for (const json& frame : run.at("frames"))
-    names.push_back(frame.is_object() && frame.value("name", json()).is_string() ? frame.at("name").get<std::string>() : "");
+    names.push_back(frame.is_object() && frame.value("name", json()).is_string() ? frame_name(frame) : "");
   return names;
 }
 
@@ -127,7 +129,7 @@ void write_report(const job::Job& job, const ReportedFrames& frames, const std::
 }
 
 void write_report(const fs::path& out, const ShownTruth& truth, Progress& progress) {
-  if (!fs::is_directory(out / "frames") && !fs::is_directory(out / ".dvi"))
+  if (list_frames(out).empty() && !fs::is_directory(out / ".dvi"))
     throw InputError(out, "is not a result of dvi", "dvi report takes the output folder of dvi run");
   require_writable(out);
   std::vector<std::string> problems;

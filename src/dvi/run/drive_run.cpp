@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "dvi/core/threads.h"
+#include "dvi/drive/nearest_in_time.h"
 #include "dvi/inputs/check_setup.h"
 #include "dvi/inputs/collect_evidence.h"
 #include "dvi/inputs/make_views.h"
@@ -136,15 +137,23 @@ void DriveRun::write_frames(const std::vector<std::size_t>& frames, const WriteF
                      .bytes_per_frame = bytes_per_frame()});
 }
 
+int DriveRun::number_of(std::size_t frame) const {
+  const std::vector<Frame>& of_first = drives_.front().drive.frames;
+  if (views_[frame].sequence == 0) return of_first[views_[frame].frame].number;
+  return nearest_in_time(of_first.begin(), of_first.end(), views_[frame].time_ns)->number;
+}
+
 std::size_t DriveRun::bytes_per_frame() const {
-  const Camera& camera = drives_.front().drive.camera;
-  return inputs::estimate_frame_bytes({camera.width, camera.height});
+  std::size_t most = 0;
+  for (const inputs::Recording& open : drives_)
+    if (const Camera& camera = open.drive.camera; open.is_cleaned)
+      most = std::max(most, inputs::estimate_frame_bytes({camera.width, camera.height}));
+  return most;
 }
 
 result::RunReport DriveRun::finish() {
   return folder_.complete(
-      {.views = views_, .map = &map_, .poses = poses_, .cameras = cameras_, .cpu = cpu_, .objects = objects_.front()},
-      progress_);
+      {.views = views_, .map = &map_, .poses = poses_, .cameras = cameras_, .cpu = cpu_, .objects = objects_}, progress_);
 }
 
 sections::PlannedSection DriveRun::load_section(const sections::Section& section) const {

@@ -76,8 +76,8 @@ class DriveRun {
   const inputs::Recordings& drives() const { return drives_; }
   const Views& views() const { return views_; }
   std::size_t frames() const { return views_.targets(); }
-  /// Returns the number of a frame in the drive.
-  int number_of(std::size_t frame) const { return drives_.front().drive.frames[views_[frame].frame].number; }
+  /// Returns the number in the drive of the first camera's frame that was taken with a frame.
+  int number_of(std::size_t frame) const;
   /// Returns the memory that a frame in progress takes.
   std::size_t bytes_per_frame() const;
   result::CpuClock& cpu() { return cpu_; }

@@ -98,6 +98,7 @@ std::string make_map(const job::Job& job, const std::string& trajectory, Progres
   if (trajectory != "none" && trajectory != "kitti" && trajectory != "tum")
     throw UsageError("--trajectory " + trajectory + ": there are kitti and tum");
   result::require_apart(job);
+  job::require_one_camera(job.read.camera, "dvi map");
   const inputs::Recordings drives = inputs::open_recordings(job, inputs::MaskNeed::optional, progress);
   inputs::verify(drives, job, progress);
   const inputs::Poses poses = inputs::estimate_poses(drives, job, progress);

@@ -1,7 +1,10 @@
 #include "dvi/run/run.h"
 
 #include <algorithm>
+#include <iterator>
+#include <numeric>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -20,23 +23,39 @@ using result::StageCache;
 
 namespace {
 
+/// Lists the numbers of frames, each once and ascending, also if several cameras have it.
+template <class Planned>
+std::vector<int> numbers_of(const Planned& run, const std::vector<std::size_t>& frames) {
+  std::set<int> numbers;
+  for (const std::size_t frame : frames) numbers.insert(run.number_of(frame));
+  return {numbers.begin(), numbers.end()};
+}
+
+template <class Planned>
+std::vector<int> all_numbers(const Planned& run) {
+  std::vector<std::size_t> frames(run.frames());
+  std::iota(frames.begin(), frames.end(), std::size_t{0});
+  return numbers_of(run, frames);
+}
+
 /// Returns "A:B" for each range of consecutive frames.
 template <class Planned>
 std::vector<std::string> ranges_of(const Planned& run, const std::vector<std::size_t>& frames) {
+  const std::vector<int> all = all_numbers(run), numbers = numbers_of(run, frames);
   std::vector<std::string> out;
-  for (std::size_t first = 0, next = 1; next <= frames.size(); ++next) {
-    if (next < frames.size() && frames[next] == frames[next - 1] + 1) continue;
-    out.push_back(fmt::format("{}:{}", run.number_of(frames[first]), run.number_of(frames[next - 1])));
-    first = next;
+  for (auto first = numbers.begin(); first != numbers.end();) {
+    const auto in_all = std::lower_bound(all.begin(), all.end(), *first);
+    const auto last = std::mismatch(first, numbers.end(), in_all, all.end()).first;
+    out.push_back(fmt::format("{}:{}", *first, *std::prev(last)));
+    first = last;
   }
   return out;
 }
 
 template <class Planned>
 PlanReport report_plan(Planned& run) {
-  PlanReport report;
-  for (std::size_t i = 0; i < run.frames(); ++i) report.frames.push_back(run.number_of(i));
-  report.finished = report.frames.size() - run.find_missing_frames().size();
+  PlanReport report{.frames = all_numbers(run)};
+  report.finished = report.frames.size() - numbers_of(run, run.find_missing_frames()).size();
   return report;
 }
 
@@ -44,7 +63,7 @@ PlanReport report_plan(Planned& run) {
 template <class Planned>
 result::RunReport fill_and_finish(Planned& run, const FrameSink& sink) {
   const std::vector<std::size_t> missing = run.find_missing_frames();
-  if (sink.begin) sink.begin(run.folder().frame_names(), missing);
+  if (sink.begin) sink.begin({run.folder().frame_names(), run.views().targets_in_time(), missing});
   run.fill_frames(missing, sink.finished);
   return run.finish();
 }

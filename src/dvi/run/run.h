@@ -13,11 +13,17 @@
 
 namespace dvi::run {
 
+/// The frames of the target.
+struct FramesToFill {
+  std::vector<std::string> names;    ///< of all frames (core/frame_name.h)
+  std::vector<std::size_t> order;    ///< indices of all frames in order of time, in which they are filled
+  std::vector<std::size_t> missing;  ///< indices of those that will be filled, ascending; the others are finished
+};
+
 /// Receives the frames of a run in memory. Both functions may throw, which ends the run.
 struct FrameSink {
-  /// Called before any frame is filled, with the names of all frames of the target, and the indices of those that will be
-  /// filled, ascending. The others are finished.
-  std::function<void(const std::vector<std::string>& names, const std::vector<std::size_t>& missing)> begin;
+  /// Called before any frame is filled.
+  std::function<void(const FramesToFill& frames)> begin;
   /// Called with each frame after it was filled and written, from several threads, and not in order.
   result::FinishedFrame finished;
 };

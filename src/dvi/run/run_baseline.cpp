@@ -25,6 +25,7 @@ std::function<result::FilledView(std::size_t)> make_filler(const job::Job& job, 
 
 result::RunReport run_baseline(const job::Job& job, Progress& progress, const FrameSink& sink) {
   progress.plan(plan_run_stages(job));
+  job::require_one_camera(job.read.camera, "--method " + to_string(job.method));
   const inputs::Recordings drives = inputs::open_images(job, progress);
   result::ResultFolder out(job, drives);
   if (const std::optional<result::RunReport> finished = out.read_finished_report(progress)) return *finished;
@@ -37,7 +38,7 @@ result::RunReport run_baseline(const job::Job& job, Progress& progress, const Fr
   const align::Cameras cameras(views);
   result::CpuClock cpu;
   const std::vector<std::size_t> missing = out.find_missing_frames(views, progress);
-  if (sink.begin) sink.begin(out.frame_names(), missing);
+  if (sink.begin) sink.begin({out.frame_names(), views.targets_in_time(), missing});
   const auto finish_frame = [&](std::size_t number, const harmonize::FilledFrame& frame) {
     if (sink.finished) sink.finished(number, frame);
     progress.advance();
@@ -48,7 +49,7 @@ result::RunReport run_baseline(const job::Job& job, Progress& progress, const Fr
                      .smoothing = make_smoothing(job.options.smooth, cpu),
                      .write = out.make_writer(views, cameras, cpu, finish_frame)});
   return out.complete(
-      {.views = views, .map = nullptr, .poses = poses, .cameras = cameras, .cpu = cpu, .objects = masks.front().objects},
+      {.views = views, .map = nullptr, .poses = poses, .cameras = cameras, .cpu = cpu, .objects = {&masks.front().objects, 1}},
       progress);
 }
 

@@ -72,9 +72,11 @@ fs::path mask_file(const fs::path& section, const Drive& drive, const View& view
 }  // namespace
 
 std::size_t count_sections(const job::Job& job) {
+  if (job.sections > 1) job::require_one_camera(job.read.camera, "a plan in sections");
+  if (job::has_other_cameras(job.read.camera)) return 1;
   if (job.sections > 0 || job::is_baseline(job.method)) return sections::count_sections(job, 0);
   datasets::ReadOptions read;
-  read.camera = job.read.camera;
+  read.camera = job::first_camera(job.read.camera);
   read.topics = job.read.topics;
   if (!job.read.frames.empty()) read.frames = job::parse_frames(job.read.frames);
   return sections::count_sections(job, datasets::read_drive(job.target, read).frames.size());
@@ -255,8 +257,7 @@ result::RunReport SectionedRun::finish() {
   progress_.end();
   merge_warnings(warnings, progress_);
   return folder_->complete(
-      {.views = views_, .map = &map, .poses = poses_, .cameras = cameras_, .cpu = cpu_, .objects = objects_.front()},
-      progress_);
+      {.views = views_, .map = &map, .poses = poses_, .cameras = cameras_, .cpu = cpu_, .objects = objects_}, progress_);
 }
 
 }  // namespace dvi::run

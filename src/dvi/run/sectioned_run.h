@@ -38,6 +38,7 @@ class SectionedRun {
 
   /// As those of DriveRun. They need the joint plan.
   result::ResultFolder& folder() { return *folder_; }
+  const Views& views() const { return views_; }
   std::size_t frames() const { return views_.targets(); }
   int number_of(std::size_t frame) const { return drives_.front().drive.frames[views_[frame].frame].number; }
   std::vector<std::size_t> find_missing_frames() { return folder_->find_missing_frames(views_, progress_); }

@@ -39,7 +39,8 @@ std::vector<ItemInProgress> list_items(const std::vector<std::size_t>& targets, 
     for (const std::size_t view : targets)
       for (const std::size_t neighbor : list_neighbors(views, view)) needed.insert(neighbor);
   std::vector<std::size_t> order(needed.begin(), needed.end());
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return views[a].time_ns < views[b].time_ns; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return views[a].time_ns < views[b].time_ns; });
   std::map<std::size_t, std::size_t> item_of;
   for (std::size_t i = 0; i < order.size(); ++i) item_of[order[i]] = i;
   std::vector<ItemInProgress> items;
@@ -79,8 +80,8 @@ void for_each_smoothed(const std::vector<std::size_t>& targets, const Views& vie
   const auto pair = [&](std::size_t i) {
     if (items[i].previous == kNone) return;
     const ItemInProgress& earlier = items[items[i].previous];
-    items[i].before = std::make_shared<const smooth::FramePair>(
-        steps.smoothing->pair(earlier.filled->frame, items[i].filled->frame));
+    items[i].before =
+        std::make_shared<const smooth::FramePair>(steps.smoothing->pair(earlier.filled->frame, items[i].filled->frame));
   };
   const auto write = [&](const ItemInProgress& item, const smooth::FramePair* after) {
     if (!item.is_written) return;

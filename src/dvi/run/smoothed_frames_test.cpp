@@ -32,7 +32,8 @@ struct Recorded {
 /// Makes the views of a camera, one per second.
 Views make_views(std::size_t count) {
   Views out;
-  for (std::size_t i = 0; i < count; ++i) out.views.push_back({.frame = i, .time_ns = static_cast<std::int64_t>(i) * 1000000000});
+  for (std::size_t i = 0; i < count; ++i)
+    out.views.push_back({.frame = i, .time_ns = static_cast<std::int64_t>(i) * 1000000000});
   return out;
 }
 

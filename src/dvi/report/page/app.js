@@ -29,14 +29,27 @@ dvi.numbered = (folder, number, ending) => `report/${folder}${String(number).pad
 /** The frames in the report of the run: name, number, hole, and so on. */
 dvi.frames = () => dvi.data.run.frames || [];
 
+/** The name of a frame, after its camera if the result has several. */
+dvi.frameName = (frame) => {
+  const entry = dvi.frames()[frame] || {};
+  return entry.camera ? `${entry.camera}/${entry.name}` : entry.name;
+};
+
+/** The first and the last frame of the camera of a frame. */
+dvi.cameraRange = (frame) => {
+  const camera = (dvi.frames()[frame] || {}).camera;
+  const first = dvi.frames().findIndex((entry) => entry.camera === camera);
+  return [first, dvi.frames().findLastIndex((entry) => entry.camera === camera)];
+};
+
 /** The drive, camera, and frame of a source number; null if sources.json is missing. */
 dvi.source = (number) => {
   const found = dvi.data.sources[number];
   if (!found) return null;
   const [drive, camera, name] = found;
   const [ownDrive, ownCamera] = dvi.data.sources[0];
-  const own = drive === ownDrive && camera === ownCamera;
-  return {drive, camera, name, frame: own ? dvi.frames().findIndex((frame) => frame.name === name) : -1};
+  const isSource = (frame) => frame.name === name && (frame.camera || ownCamera) === camera;
+  return {drive, camera, name, frame: drive === ownDrive ? dvi.frames().findIndex(isSource) : -1};
 };
 
 /** An enlarged part of a frame: pictures are drawn over each other, with crosshairs at `mark`. Integers are pixel centers. */

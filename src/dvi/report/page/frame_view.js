@@ -8,6 +8,7 @@
   const size = () => dvi.data.frames[state.frame].size || [1, 1];
   const bounds = ([width, height]) => [[-height, 0], [0, width]];
   const last = () => dvi.frames().length - 1;
+  const range = () => dvi.cameraRange(state.frame);
 
   // ---- pictures
   const place = (name, picture, pane) => {
@@ -121,7 +122,9 @@
     if (frame !== state.frame) dvi.noReceipt(t.receipt);
     state.frame = Math.max(0, Math.min(last(), frame));
     const entry = dvi.data.frames[state.frame], report = dvi.frames()[state.frame];
-    id("frame-name").textContent = `${report.name}  (${state.frame + 1} of ${last() + 1})`;
+    const [first, end] = range();
+    id("frame-name").textContent = `${report.name}  (${state.frame - first + 1} of ${end - first + 1})`;
+    id("camera").value = report.camera || "";
     if (entry.missing.length) dvi.noReceipt(`Missing in this result: ${entry.missing.join(", ")}. Run the same command again to complete it.`);
     swap("after", entry.size ? entry.picture : null, "right");
     swap("base", entry.size ? entry.picture : null, "base");
@@ -139,6 +142,16 @@
   };
 
   const go = (frame) => dvi.go("frames", Math.max(0, Math.min(last(), frame)));
+  const goWithin = (frame) => go(Math.max(range()[0], Math.min(range()[1], frame)));
+
+  // To the frame of another camera with the same number, or else with the same place among the camera's frames.
+  const goToCamera = (camera) => {
+    const number = dvi.frames()[state.frame].number;
+    const same = dvi.frames().findIndex((frame) => frame.camera === camera && frame.number === number);
+    const first = dvi.frames().findIndex((frame) => frame.camera === camera);
+    const [, end] = dvi.cameraRange(first);
+    go(same >= 0 ? same : Math.min(end, first + state.frame - range()[0]));
+  };
 
   const stop = () => {
     clearTimeout(state.timer);
@@ -149,8 +162,10 @@
     if (state.timer === null) return;
     const image = layers.after && layers.after.getElement();
     if (image && !image.complete) return void (state.timer = setTimeout(step, 20));  // a slow disk
-    history.replaceState(null, "", `#frames/${state.frame < last() ? state.frame + 1 : 0}`);
-    show(state.frame < last() ? state.frame + 1 : 0);
+    const [first, end] = range();
+    const next = state.frame < end ? state.frame + 1 : first;
+    history.replaceState(null, "", `#frames/${next}`);
+    show(next);
     state.timer = setTimeout(step, 100);
   };
   const play = () => {
@@ -232,8 +247,12 @@
       show(state.frame);
     };
     id("left-tag").textContent = "before";
-    id("previous").onclick = () => go(state.frame - 1);
-    id("next").onclick = () => go(state.frame + 1);
+    const cameras = [...new Set(dvi.frames().map((frame) => frame.camera || ""))];
+    id("camera").append(...cameras.map((camera) => e("option", {value: camera, textContent: camera})));
+    id("camera-label").hidden = cameras.length < 2;
+    id("camera").onchange = (event) => goToCamera(event.target.value);
+    id("previous").onclick = () => goWithin(state.frame - 1);
+    id("next").onclick = () => goWithin(state.frame + 1);
     id("play").onclick = play;
     id("next-bad").onclick = () => toBad(1);
     id("fit").onclick = fit;
@@ -242,7 +261,8 @@
   };
 
   const keys = {
-    ArrowLeft: () => go(state.frame - 1), ArrowRight: () => go(state.frame + 1), Home: () => go(0), End: () => go(last()),
+    ArrowLeft: () => goWithin(state.frame - 1), ArrowRight: () => goWithin(state.frame + 1),
+    Home: () => go(range()[0]), End: () => go(range()[1]),
     " ": play, n: () => toBad(1), p: () => toBad(-1), f: () => fit(), "+": () => map.zoomIn(0.5), "-": () => map.zoomOut(0.5),
     b: () => { state.share = state.share > 0.5 ? 0 : 1; clip(); },
   };

@@ -31,19 +31,19 @@
     const shown = ([x, y]) => x * cell >= above.left_m && x * cell < right && y * cell >= bottom && y * cell < above.top_m;
     const unseen = L.layerGroup(cells.filter(shown).map(([x, y, frame, pixels]) =>
       L.rectangle([[y * cell, x * cell], [(y + 1) * cell, (x + 1) * cell]], {stroke: false, fillColor: colors.unseen, fillOpacity: 0.5})
-        .bindTooltip(`no source observed this; most pixels are in frame ${(dvi.frames()[frame] || {}).name} (about ${pixels * 16} px)`)
+        .bindTooltip(`no source observed this; most pixels are in frame ${dvi.frameName(frame)} (about ${pixels * 16} px)`)
         .on("click", (event) => { L.DomEvent.stopPropagation(event); dvi.go("frames", frame); }))).addTo(map);
 
     const tracks = L.layerGroup(above.tracks.filter((track) => track.points.length).map((track) =>
       L.polyline(track.points.map(([x, y]) => [y, x]), {color: "#cc79a7", weight: 3, dashArray: track.points.length > 1 ? "6 4" : null})
-        .bindTooltip(`${track.type || "object"} ${track.number}, frames ${(dvi.frames()[track.points[0][2]] || {}).name} on`)
+        .bindTooltip(`${track.type || "object"} ${track.number}, frames ${dvi.frameName(track.points[0][2])} on`)
         .on("click", (event) => { L.DomEvent.stopPropagation(event); dvi.go("frames", track.points[0][2]); }))).addTo(map);
 
     L.polyline(path, {color: "#ffffff", weight: 7, opacity: 0.8}).addTo(map);
     L.polyline(path, {color: colors.path, weight: 4}).addTo(map);
     const every = Math.max(1, Math.floor(poses.length / 400));
     path.forEach((at, i) => i % every === 0 && L.circleMarker(at, {radius: 4, color: "#ffffff", weight: 1, fillColor: colors.path, fillOpacity: 1})
-      .bindTooltip(`frame ${(dvi.frames()[i] || {}).name}`).on("click", (event) => { L.DomEvent.stopPropagation(event); dvi.go("frames", i); }).addTo(map));
+      .bindTooltip(`frame ${dvi.frameName(i)}`).on("click", (event) => { L.DomEvent.stopPropagation(event); dvi.go("frames", i); }).addTo(map));
     map.on("click", (event) => dvi.go("frames", nearest(poses, event.latlng)));
     L.control.layers(null, {"unobserved": unseen, "tracks of removed objects": tracks}, {collapsed: false}).addTo(map);
     L.control.scale({imperial: false}).addTo(map);

@@ -100,7 +100,7 @@
     const picture = (title, pictures) => e("figure", {}, dvi.crop(pictures, entry.size, entry.worst), e("figcaption", {textContent: title}));
     const node = e("a", {className: "card", href: `#frames/${frame}`},
       e("div", {className: "pair"}, picture("before", dvi.before(frame)), picture("after", [entry.picture])),
-      e("p", {}, `Frame ${dvi.frames()[frame].name}: ${dvi.percent(entry.within, 0)} of its removed area is expected to be right. `,
+      e("p", {}, `Frame ${dvi.frameName(frame)}: ${dvi.percent(entry.within, 0)} of its removed area is expected to be right. `,
         e("em", {textContent: "Look closer"})));
     node.addEventListener("click", () => dvi.frameView.lookAt(entry.worst));
     return node;

@@ -1,0 +1,148 @@
+#include <set>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "dvi/core/files.h"
+#include "program.h"
+
+namespace dvi {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Key;
+using testing::Not;
+
+/// Cleans several cameras of a drive in one run.
+class Cameras : public ProgramTest {
+ protected:
+  fs::path stereo_drive() const { return small_drive("drive", "--stereo-m 0.5", 4); }
+  nlohmann::json json(const fs::path& file) const { return nlohmann::json::parse(read_file(folder / file)); }
+  /// Returns the files of a result, without the files that only plans have.
+  std::map<std::string, std::string> result(const std::string& out) const {
+    std::map<std::string, std::string> files = contents(folder / out);
+    std::erase_if(files,
+                  [](const auto& file) { return file.first == ".dvi/plan.json" || file.first.starts_with(".dvi/costs"); });
+    return files;
+  }
+  void expect_refused(const std::string& arguments, int code, const std::string& reason) const {
+    const Result refused = dvi(arguments);
+    EXPECT_EQ(refused.code, code) << arguments;
+    EXPECT_THAT(refused.err, HasSubstr(reason));
+    EXPECT_FALSE(fs::exists(folder / "refused"));
+  }
+};
+
+TEST_F(Cameras, HaveFoldersOfTheirOwnAndShareTheOtherFiles) {
+  stereo_drive();
+  const Result run = dvi("run drive --camera all -o out");
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("out/CAMERA/frames"));
+  for (const char* camera : {"front", "right"}) {
+    const fs::path of_camera = folder / "out" / camera;
+    for (const char* pictures :
+         {"frames", "masks", "kind", "provenance", "sources_used", "harmonization", "confidence", "depth"})
+      EXPECT_EQ(list_files(of_camera / pictures, {".png"}).size(), 4U) << camera << " " << pictures;
+    for (const char* file : {"video.mp4", "compare.mp4", "contact.png"}) EXPECT_TRUE(fs::exists(of_camera / file)) << file;
+    EXPECT_EQ(read_lines(folder / "out/map" / camera / "poses.txt").size(), 4U);
+  }
+  EXPECT_NE(read_file(folder / "out/map/front/poses.txt"), read_file(folder / "out/map/right/poses.txt"));
+  EXPECT_EQ(read_file(folder / "out/map/front/poses.txt"), read_file(folder / "out/map/poses.txt"));
+  EXPECT_FALSE(fs::exists(folder / "out/frames"));
+  const nlohmann::json report = json("out/report.json");
+  EXPECT_EQ(report["cameras"], (nlohmann::json{"front", "right"}));
+  ASSERT_EQ(report["frames"].size(), 8U);
+  EXPECT_EQ(report["frames"][5]["camera"], "right");
+  EXPECT_EQ(report["frames"][5]["name"], "000001");
+  const nlohmann::json sources = json("out/sources.json")["sources"];
+  ASSERT_EQ(sources.size(), 8U);
+  EXPECT_EQ(sources[4]["camera"], "right");
+  std::set<std::string> cameras;
+  const nlohmann::json objects = json("out/objects.json")["objects"];
+  for (const nlohmann::json& object : objects) cameras.insert(object.at("camera"));
+  EXPECT_THAT(cameras, ElementsAre("front", "right"));
+  EXPECT_THAT(dvi("run drive --camera all -o out").err, HasSubstr("nothing to do"));
+  const Result inspected = dvi("inspect out right/000001 120 80 --json");
+  EXPECT_EQ(inspected.code, 0) << inspected.err;
+  EXPECT_EQ(nlohmann::json::parse(inspected.out)["frame"], "right/000001");
+}
+
+TEST_F(Cameras, AreAuditedAndScoredTogether) {
+  stereo_drive();
+  ASSERT_EQ(dvi("run drive --camera right,front -o out --quiet").code, 0);
+  EXPECT_EQ(json("out/report.json")["cameras"], (nlohmann::json{"right", "front"})) << "in the given order";
+  const Result audit = dvi("audit out drive --json --quiet");
+  EXPECT_EQ(audit.code, 0) << audit.out << audit.err;
+  EXPECT_EQ(nlohmann::json::parse(audit.out)["frames"], 8);
+  make_folder(folder / "truth/front");
+  for (const fs::path& file : list_files(folder / "drive/truth", {".png"}))
+    fs::copy_file(file, folder / "truth/front" / file.filename());
+  fs::copy(folder / "drive/truth/right", folder / "truth/right");
+  const Result scored = dvi("eval out --truth truth --json --quiet");
+  ASSERT_EQ(scored.code, 0) << scored.err;
+  const nlohmann::json evaluation = nlohmann::json::parse(scored.out);
+  EXPECT_GT(evaluation["copied"]["psnr"], 24);
+  std::map<std::string, int> names;
+  for (const nlohmann::json& frame : evaluation["per_frame"]) ++names[frame.at("name")];
+  EXPECT_THAT(names, Contains(Key("front/000001")));
+  EXPECT_THAT(names, Contains(Key("right/000001")));
+}
+
+TEST_F(Cameras, AreFilledInPiecesWithTheSameBytes) {
+  stereo_drive();
+  ASSERT_EQ(dvi("run drive --camera front,right -o whole --quiet --threads 2").code, 0);
+  const Result plan = dvi("plan drive --camera front,right -o out --quiet --json");
+  EXPECT_EQ(nlohmann::json::parse(plan.out)["frames"], (nlohmann::json{0, 1, 2, 3})) << "each number once";
+  ASSERT_EQ(dvi("fill out --frames 2:3 --quiet --threads 1").code, 0);
+  EXPECT_EQ(list_files(folder / "out/right/frames", {".png"}).size(), 2U);
+  const Result early = dvi("finish out --quiet");
+  EXPECT_EQ(early.code, 3);
+  EXPECT_THAT(early.err, HasSubstr("--frames 0:1 fills"));
+  ASSERT_EQ(dvi("fill out --quiet").code, 0);
+  ASSERT_EQ(dvi("finish out --quiet").code, 0);
+  EXPECT_EQ(result("out"), result("whole"));
+}
+
+TEST_F(Cameras, ARunOfOneCameraReplacesOneOfSeveral) {
+  stereo_drive();
+  ASSERT_EQ(dvi("run drive --camera all -o out --quiet").code, 0);
+  const Result other = dvi("run drive -o out --quiet");
+  EXPECT_EQ(other.code, 0) << other.err;
+  EXPECT_EQ(list_files(folder / "out/frames", {".png"}).size(), 4U);
+  EXPECT_TRUE(list_files(folder / "out/right/frames", {".png"}).empty()) << "frames of another run are removed";
+  EXPECT_EQ(dvi("audit out drive --quiet").code, 0);
+}
+
+TEST_F(Cameras, GrayOnesAreCleanedInARunOfTheirOwn) {
+  stereo_drive();
+  for (const fs::path& file : list_files(folder / "drive/images/right", {".png", ".jpg"}))
+    cv::imwrite(file.string(), cv::imread(file.string(), cv::IMREAD_GRAYSCALE));
+  expect_refused("run drive --camera front,right -o refused --quiet", 2, "cleaned in runs of their own");
+  const Result all = dvi("run drive --camera all -o out");
+  EXPECT_EQ(all.code, 0);
+  EXPECT_THAT(all.err, HasSubstr("camera right is not cleaned, because it has no colors"));
+  EXPECT_TRUE(fs::exists(folder / "out/frames")) << "one camera remains";
+}
+
+TEST_F(Cameras, AreRefusedWhereOneIsTaken) {
+  stereo_drive();
+  expect_refused("run drive --camera front,rear -o refused", 2, "--camera rear: the drive has front, right");
+  expect_refused("run drive --camera all --method telea -o refused", 2, "--method telea takes one camera");
+  expect_refused("plan drive --camera all --section 1/2 -o refused", 2, "takes one camera");
+  expect_refused("mask drive --camera front,right -o refused", 2, "dvi mask takes one camera");
+  expect_refused("check drive --camera all", 2, "dvi check takes one camera");
+  expect_refused("convert drive --camera all -o refused", 2, "dvi convert takes one camera");
+  fs::rename(folder / "drive/images/right", folder / "drive/images/map");
+  fs::rename(folder / "drive/masks/right", folder / "drive/masks/map");
+  fs::rename(folder / "drive/times/right.txt", folder / "drive/times/map.txt");
+  std::string config = read_file(folder / "drive/dvi.toml");
+  config.replace(config.find("right"), 5, "map");
+  write_file(folder / "drive/dvi.toml", config);
+  expect_refused("run drive --camera all -o refused", 3, "cannot have a folder for camera 'map'");
+}
+
+}  // namespace
+}  // namespace dvi
