@@ -61,6 +61,8 @@ Run::Run(dvi::job::Job job, int threads, Task::Callback progress) : job_(std::mo
       const std::lock_guard lock(task_->mutex);
       names_ = frames.names;
       order_ = frames.order;
+      // The last frame of a camera is finished together with the one before it.
+      max_made_ = static_cast<std::size_t>(thread_count()) + list_cameras(names_).size();
       missing_.assign(names_.size(), false);
       for (const std::size_t i : frames.missing) missing_[i] = true;
     };
@@ -79,9 +81,9 @@ Run::Run(dvi::job::Job job, int threads, Task::Callback progress) : job_(std::mo
 void Run::push(std::size_t number, const harmonize::FilledFrame& filled) {
   auto frame = std::make_shared<const Frame>(to_frame(names_[number], number, filled));
   std::unique_lock lock(task_->mutex);
-  // One that is next always fits: others may wait for it.
+  // A frame that is next always fits: others may wait for it.
   task_->changed.wait(lock, [&] {
-    return task_->canceled || drained_ || number == order_[next_] || made_.size() < static_cast<std::size_t>(thread_count());
+    return task_->canceled || drained_ || number == order_[next_] || made_.size() < max_made_;
   });
   if (task_->canceled) throw Interrupted();
   if (!drained_) made_[number] = std::move(frame);

@@ -49,10 +49,11 @@ class Run {
   std::string report_;
   // Under the task's lock from here on.
   std::vector<std::string> names_;
-  std::vector<std::size_t> order_;  // of time
+  std::vector<std::size_t> order_;  // indices in order of time
   std::vector<bool> missing_;
   std::map<std::size_t, std::shared_ptr<const Frame>> made_;
-  std::size_t next_ = 0;  // in order_
+  std::size_t next_ = 0;      // position in order_
+  std::size_t max_made_ = 1;  // frames that wait in made_
   bool drained_ = false;  // no further frames are requested
   std::unique_ptr<Task> task_;
 };

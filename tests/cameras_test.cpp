@@ -73,6 +73,8 @@ TEST_F(Cameras, HaveFoldersOfTheirOwnAndShareTheOtherFiles) {
 TEST_F(Cameras, AreAuditedAndScoredTogether) {
   stereo_drive();
   ASSERT_EQ(dvi("run drive --camera right,front -o out --quiet").code, 0);
+  expect_refused("export colmap out -o refused", 3, "has several cameras: front, right");
+  expect_refused("import-fill out out/front/frames", 3, "has several cameras");
   EXPECT_EQ(json("out/report.json")["cameras"], (nlohmann::json{"right", "front"})) << "in the given order";
   const Result audit = dvi("audit out drive --json --quiet");
   EXPECT_EQ(audit.code, 0) << audit.out << audit.err;

@@ -73,6 +73,20 @@ class Street:
         return dvi.ScanData(points, float(self.scan_times[name]), 0.1 * (fraction - 0.5))
 
 
+@pytest.mark.parametrize("threads", [1, 2])
+def test_several_cameras_are_returned_in_turn(tmp_path, threads):
+    drive = tmp_path / "drive"
+    subprocess.run([PROGRAM, "synth", "-o", drive, "--frames", "3", "--width", "160", "--height", "96", "--beams", "24", "--columns",
+                    "500", "--stereo-m", "0.5", "--side-cameras", "--quiet"], check=True, capture_output=True)
+    run = dvi.run(drive, camera="all", out=tmp_path / "out", threads=threads)
+    pairs = [(camera, frame.camera, frame.name) for camera, frame in run]
+    cameras = ["front", "right", "side-left", "side-right"]
+    assert pairs == [(camera, camera, f"{i:06}") for i in range(3) for camera in cameras]
+    assert run.report["cameras"] == cameras
+    again = [(camera, frame.camera, frame.name) for camera, frame in dvi.run(drive, camera="all", out=tmp_path / "out")]
+    assert again == pairs
+
+
 def test_frames_are_those_of_the_program(street, result, tmp_path):
     stages = []
     frames = list(dvi.run(street, out=tmp_path / "out", progress=lambda stage, done, total: stages.append(stage)))

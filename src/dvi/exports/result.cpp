@@ -5,9 +5,11 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/frame_name.h"
 #include "dvi/core/json_file.h"
 #include "dvi/core/text.h"
 #include "dvi/geometry/rigid.h"
@@ -42,6 +44,9 @@ Result::Result(const fs::path& out, LabelScans label_scans) : folder_(out), labe
   if (!fs::is_directory(out)) throw InputError(out, "is not a folder", "give the OUT of a dvi run");
   if (!fs::exists(out / "sources.json") || !fs::exists(out / "report.json"))
     throw InputError(out, "is not a finished result of dvi run", kRunAgain);
+  if (const std::vector<std::string> cameras = list_cameras(list_frames(out)); cameras.size() > 1)
+    throw InputError(out, fmt::format("has several cameras: {}", fmt::join(cameras, ", ")),
+                     "export a result of one camera (dvi run --camera NAME)");
   if (!fs::exists(out / "map/poses.txt"))
     throw InputError(out, "has no poses and no map", "export a result of --method dvi or paper, since the others have none");
   read_poses();

@@ -27,8 +27,8 @@ struct ResultFrame {
 /// are read on demand. The world is the target's first LiDAR pose: x forward, y left, z up.
 class Result {
  public:
-  /// Reads the tables of OUT. Throws InputError if OUT is not a finished result, is damaged, or has no poses (methods without a
-  /// map).
+  /// Reads the tables of OUT. Throws InputError if OUT is not a finished result, is damaged, has several cameras, or has no
+  /// poses (methods without a map).
   explicit Result(const fs::path& out, LabelScans label_scans = {});
 
   const fs::path& folder() const { return folder_; }

@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/frame_name.h"
 #include "dvi/core/hash.h"
 #include "dvi/core/json_optional.h"
 #include "dvi/core/json_text.h"
@@ -81,6 +82,8 @@ FillImport::FillImport(const fs::path& out) : out_(require_result(out)), lock_(o
   job_.out = out.string();
   names_ = report->frame_names();
   if (names_.empty()) throw InputError(out, "has no frames");
+  if (list_cameras(names_).size() > 1)
+    throw InputError(out, "has several cameras", "import the fill into a result of one camera (dvi run --camera NAME)");
   fingerprint_ = read_frame(out, names_.front()).fingerprint;
   for (const std::string& name : names_)
     if (read_frame(out, name).fingerprint != fingerprint_)
