@@ -114,7 +114,6 @@ INSTANTIATE_TEST_SUITE_P(Kinds, ExportBag,
 TEST_F(ExportRecording, CleansOneCameraAfterTheOther) {
   clean_bag("zstd.mcap", "--camera right");
   ASSERT_EQ(dvi("export bag out -o right.mcap --quiet").code, 0);
-  const std::string right = read_file(folder / "right.mcap");
   ASSERT_EQ(dvi("run zstd.mcap -o front --masks masks --camera front --quiet").code, 0);
   ASSERT_EQ(dvi("export bag front -o both.mcap --input right.mcap --quiet").code, 0);
   ASSERT_EQ(dvi("export bag front -o front.mcap --quiet").code, 0);

@@ -204,8 +204,8 @@ std::string unpack_message(std::string bytes) {
 #endif
 }
 
-std::string pack_message(std::string bytes, std::string_view like) {
-  return like.starts_with(kZstdMagic) ? pack("zstd", bytes, like) : bytes;
+std::string pack_message(std::string_view bytes, std::string_view like) {
+  return pack(like.starts_with(kZstdMagic) ? "zstd" : "", bytes, like);
 }
 
 }  // namespace dvi::bags

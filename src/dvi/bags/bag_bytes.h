@@ -89,6 +89,6 @@ std::string pack(std::string_view compression, std::string_view bytes, std::stri
 std::string unpack_message(std::string bytes);
 
 /// Compresses a message if `like`, the message that it replaces, was compressed individually; returns others unchanged.
-std::string pack_message(std::string bytes, std::string_view like);
+std::string pack_message(std::string_view bytes, std::string_view like);
 
 }  // namespace dvi::bags

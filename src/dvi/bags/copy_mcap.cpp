@@ -3,6 +3,9 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <stdexcept>
+
+#include <fmt/format.h>
 
 #include "dvi/bags/changed_copy.h"
 #include "dvi/bags/copy_bag.h"
@@ -71,6 +74,8 @@ class McapCopy {
         copy_record(record);
       } catch (const std::out_of_range&) {
         from_.fail(at, "a record is truncated");
+      } catch (const std::invalid_argument& e) {
+        from_.fail(at, fmt::format("a chunk cannot be packed: {}", e.what()));
       }
       if (at == kMcapMagic.size()) checksum_.begin();
       complete = record.opcode == footer_record;
@@ -84,7 +89,7 @@ class McapCopy {
   // The new position of a record, and the change of a chunk's sizes.
   struct Moved {
     std::uint64_t at = 0;
-    std::uint64_t growth = 0;                                           // of the record; modulo 2^64
+    std::uint64_t growth = 0;                                           // growth of the record, modulo 2^64
     std::optional<std::pair<std::uint64_t, std::uint64_t>> sizes = {};  // compressed and decompressed, of a changed chunk
   };
 
@@ -272,7 +277,7 @@ class McapCopy {
   std::map<std::uint64_t, Moved> moved_;            // chunks, attachments, and metadata, by their old position
   std::map<std::uint64_t, std::uint64_t> offsets_;  // in the last chunk, new by old; empty if it did not change
   std::uint32_t summary_sum_ = 0;
-  std::uint64_t shift_ = 0;  // of the summary; modulo 2^64
+  std::uint64_t shift_ = 0;  // distance by which the summary moves, modulo 2^64
 };
 
 }  // namespace

@@ -1,6 +1,8 @@
 #include <map>
 #include <stdexcept>
 
+#include <fmt/format.h>
+
 #include "dvi/bags/changed_copy.h"
 #include "dvi/bags/copy_bag.h"
 #include "dvi/bags/ros1_records.h"
@@ -30,6 +32,8 @@ class Ros1Copy {
         copy_record(record, op);
       } catch (const std::out_of_range&) {
         from_.fail(at, "a record is damaged");
+      } catch (const std::invalid_argument& e) {
+        from_.fail(at, fmt::format("a chunk cannot be packed: {}", e.what()));
       }
       at = record.end();
     }
@@ -99,7 +103,7 @@ class Ros1Copy {
   const BagFile& from_;
   const ReplacedMessages& replaced_;
   ChangedCopy copy_;
-  std::string header_;                              // of the bag
+  std::string header_;                              // the header of the bag
   std::map<std::uint64_t, std::uint64_t> moved_;    // chunks, new position by old
   std::map<std::uint64_t, std::uint32_t> offsets_;  // in the last chunk, new by old; empty if it did not change
 };

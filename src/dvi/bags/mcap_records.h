@@ -14,7 +14,7 @@ inline constexpr std::string_view kMcapMagic = "\x89MCAP0\r\n";
 inline constexpr std::uint64_t kMcapHeadBytes = 9;
 /// The size of the fields of a message before its data: channel, sequence, log time, and publish time.
 inline constexpr std::uint64_t kMcapMessageHeadBytes = 2 + 4 + 8 + 8;
-/// The position that stands for "in no chunk". It is that of the magic.
+/// The position of the chunk of a message that is not in a chunk: that of the magic.
 inline constexpr std::uint64_t kNoMcapChunk = 0;
 
 /// The opcodes of the records that are read or changed.

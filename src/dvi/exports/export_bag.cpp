@@ -118,7 +118,7 @@ class CleanMessages {
       fail(e.what(), "export the images in another format, such as dvi export mcap or video");
     }
     if (!clean) fail("it is not the image that the run cleaned", kSameRecording);
-    return *clean == plain ? std::string(message) : bags::pack_message(std::move(*clean), message);
+    return *clean == plain ? std::string(message) : bags::pack_message(*clean, message);
   }
 
   const Result& result_;

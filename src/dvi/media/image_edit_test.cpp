@@ -61,7 +61,7 @@ TEST(ImageEdit, ReturnsTheFileIfNoPixelChanges) {
   edit.colors = decode_image("a", file, {64, 48});
   EXPECT_EQ(edit_image_file("a.jpg", file, edit, 50), file);
   edit.colors = edit.colors.colRange(0, 63).clone();
-  EXPECT_EQ(edit_image_file("a.jpg", file, edit, 50), std::nullopt) << "an image of another size";
+  EXPECT_EQ(edit_image_file("a.jpg", file, edit, 50), std::nullopt) << "the images differ in size";
 }
 
 TEST(ImageEdit, CompressesJpegByQualityAndKeepsGray) {
