@@ -4,6 +4,7 @@
 #include <string>
 
 #include "dvi/core/error.h"
+#include "dvi/core/interrupt.h"
 
 namespace dvi::bags {
 namespace {
@@ -27,6 +28,7 @@ void ChangedCopy::write(std::string_view bytes) {
 
 void ChangedCopy::keep(std::uint64_t at, std::uint64_t count) {
   while (count > 0) {
+    throw_if_interrupted();
     const std::string piece = from_.read(at, std::min(count, kPieceBytes));
     if (watch) watch(piece, piece);
     write(piece);

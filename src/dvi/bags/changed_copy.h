@@ -14,7 +14,7 @@ class ChangedCopy {
  public:
   ChangedCopy(const BagFile& from, fs::path to);
 
-  /// Copies a part of the original, in pieces.
+  /// Copies a part of the original, in pieces. Throws Interrupted after a signal.
   void keep(std::uint64_t at, std::uint64_t count);
   /// Writes `bytes` instead of `original`.
   void replace(std::string_view original, std::string_view bytes);

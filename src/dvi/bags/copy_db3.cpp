@@ -6,6 +6,7 @@
 #include "dvi/bags/copy_bag.h"
 #include "dvi/bags/db3_address.h"
 #include "dvi/core/error.h"
+#include "dvi/core/interrupt.h"
 
 #ifdef DVI_SQLITE3
 #include <sqlite3.h>
@@ -42,11 +43,15 @@ class Db3Copy {
   void fill(const fs::path& from) {
     constexpr int kPagesPerStep = 1024;
     const Database source = open_database(from, make_database_address(from), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
-    sqlite3_backup* const backup = sqlite3_backup_init(database_.get(), "main", source.get(), "main");
-    if (backup == nullptr) fail(file_, "cannot be written", database_.get());
+    std::unique_ptr<sqlite3_backup, decltype(&sqlite3_backup_finish)> backup(
+        sqlite3_backup_init(database_.get(), "main", source.get(), "main"), sqlite3_backup_finish);
+    if (!backup) fail(file_, "cannot be written", database_.get());
     int result = SQLITE_OK;
-    while (result == SQLITE_OK) result = sqlite3_backup_step(backup, kPagesPerStep);
-    sqlite3_backup_finish(backup);
+    while (result == SQLITE_OK) {
+      result = sqlite3_backup_step(backup.get(), kPagesPerStep);
+      throw_if_interrupted();
+    }
+    backup.reset();
     if (result != SQLITE_DONE) fail(file_, "cannot be written as a copy of the recording", database_.get());
     // An unfinished copy is removed, so that it needs no journal.
     execute("PRAGMA journal_mode=OFF");

@@ -42,8 +42,8 @@ void add_export(Program& program) {
   command.examples({"dvi export colmap OUT -o scene               for COLMAP, gsplat",
                     "dvi export ortho OUT -o above --cell-m 0.1   a GeoTIFF",
                     "dvi export video OUT -o video --beside       input and result",
-                    "dvi export bag OUT -o clean.mcap              the recorded bag with clean images",
-                    "dvi export folder OUT -o clean                the recorded folder with clean images",
+                    "dvi export bag OUT -o clean.mcap             the recorded bag with clean images",
+                    "dvi export folder OUT -o clean               the recorded folder with clean images",
                     "dvi export holes OUT -o holes                for an inpainting program, then dvi import-fill OUT FRAMES"});
   command.run([a] {
     for (const Assignment& assignment : a->given) a->table.assign(assignment);

@@ -131,10 +131,11 @@ class CleanMessages {
 void warn_of_traffic(const BagImages& images, std::size_t cleaned, Progress& progress) {
   const std::size_t all = images.topic().messages.size();
   if (cleaned < all)
-    progress.warn(fmt::format("{} of {} images of {} are not frames of the result: they are unchanged and show the traffic",
-                              all - cleaned, all, images.topic().name));
+    progress.warn(
+        fmt::format("{} of {} images of {} are not frames of the result: they are unchanged, with the traffic that they show",
+                    all - cleaned, all, images.topic().name));
   if (const std::vector<std::string> others = images.list_other_images(); !others.empty())
-    progress.warn(fmt::format("the images of {} are unchanged and show the traffic", fmt::join(others, ", ")));
+    progress.warn(fmt::format("the images of {} are unchanged, with the traffic that they show", fmt::join(others, ", ")));
 }
 
 RecordedInput find_bag(const Result& result, const ExportOptions& options) {

@@ -146,12 +146,13 @@ bool write_frame(const media::ImageEdit& edit, const fs::path& from, const fs::p
 
 void warn_of_traffic(const Drive& drive, std::size_t cleaned, Progress& progress) {
   if (cleaned < drive.frames.size())
-    progress.warn(fmt::format("{} of {} images of {} are not frames of the result: they are unchanged and show the traffic",
-                              drive.frames.size() - cleaned, drive.frames.size(), drive.camera_name));
+    progress.warn(
+        fmt::format("{} of {} images of {} are not frames of the result: they are unchanged, with the traffic that they show",
+                    drive.frames.size() - cleaned, drive.frames.size(), drive.camera_name));
   std::vector<std::string> others = drive.camera_names;
   std::erase(others, drive.camera_name);
   if (!others.empty())
-    progress.warn(fmt::format("the images of {} are unchanged and show the traffic", fmt::join(others, ", ")));
+    progress.warn(fmt::format("the images of {} are unchanged, with the traffic that they show", fmt::join(others, ", ")));
 }
 
 ExportReport write_folder(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
