@@ -51,7 +51,7 @@ std::string to_json(const ExportReport& report, const std::string& format) {
   for (const auto& [name, count] : report.counts) counts[name] = count;
   return json_text({{"schema", "dvi-export/1"},
                     {"format", format},
-                    {"folder", fs::absolute(report.folder).lexically_normal().string()},
+                    {"folder", fs::absolute(report.folder / "").lexically_normal().parent_path().string()},
                     {"files", report.files},
                     {"counts", counts},
                     {"warnings", report.warnings}});
