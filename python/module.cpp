@@ -13,6 +13,7 @@
 #include "dvi/commands/check.h"
 #include "dvi/commands/evaluate_result.h"
 #include "dvi/commands/import_fill.h"
+#include "dvi/commands/find_recorded_input.h"
 #include "dvi/commands/label_scans.h"
 #include "dvi/commands/make_masks.h"
 #include "dvi/core/error.h"
@@ -171,7 +172,9 @@ void bind_commands(py::module_& m) {
       table.assign({find_keyword(table, py::cast<std::string>(key)).name(), to_value(value)});
     const exports::ExportFormat& to = exports::find_export_format(format);
     return run_task(threads, progress, [&](Progress& p) {
-      return exports::to_json(exports::export_result({out, folder, dvi::commands::label_scans}, to, chosen, p), to.name, folder);
+      return exports::to_json(
+          exports::export_result({out, folder, {dvi::commands::label_scans, dvi::commands::find_recorded_input}}, to, chosen, p),
+          to.name);
     });
   });
   m.def("import_fill", [](const std::string& out, const std::string& frames, int threads, const py::object& progress) {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "dvi/core/files.h"
@@ -20,7 +21,7 @@ using testing::Not;
 class Cameras : public ProgramTest {
  protected:
   fs::path stereo_drive() const { return small_drive("drive", "--stereo-m 0.5", 4); }
-  nlohmann::json json(const fs::path& file) const { return nlohmann::json::parse(read_file(folder / file)); }
+  nlohmann::json read(const fs::path& file) const { return nlohmann::json::parse(read_file(folder / file)); }
   /// Returns the files of a result, without the files that only plans have.
   std::map<std::string, std::string> result(const std::string& out) const {
     std::map<std::string, std::string> files = contents(folder / out);
@@ -52,16 +53,16 @@ TEST_F(Cameras, HaveFoldersOfTheirOwnAndShareTheOtherFiles) {
   EXPECT_NE(read_file(folder / "out/map/front/poses.txt"), read_file(folder / "out/map/right/poses.txt"));
   EXPECT_EQ(read_file(folder / "out/map/front/poses.txt"), read_file(folder / "out/map/poses.txt"));
   EXPECT_FALSE(fs::exists(folder / "out/frames"));
-  const nlohmann::json report = json("out/report.json");
+  const nlohmann::json report = read("out/report.json");
   EXPECT_EQ(report["cameras"], (nlohmann::json{"front", "right"}));
   ASSERT_EQ(report["frames"].size(), 8U);
   EXPECT_EQ(report["frames"][5]["camera"], "right");
   EXPECT_EQ(report["frames"][5]["name"], "000001");
-  const nlohmann::json sources = json("out/sources.json")["sources"];
+  const nlohmann::json sources = read("out/sources.json")["sources"];
   ASSERT_EQ(sources.size(), 8U);
   EXPECT_EQ(sources[4]["camera"], "right");
   std::set<std::string> cameras;
-  const nlohmann::json objects = json("out/objects.json")["objects"];
+  const nlohmann::json objects = read("out/objects.json")["objects"];
   for (const nlohmann::json& object : objects) cameras.insert(object.at("camera"));
   EXPECT_THAT(cameras, ElementsAre("front", "right"));
   EXPECT_THAT(dvi("run drive --camera all -o out").err, HasSubstr("nothing to do"));
@@ -75,7 +76,7 @@ TEST_F(Cameras, AreAuditedAndScoredTogether) {
   ASSERT_EQ(dvi("run drive --camera right,front -o out --quiet").code, 0);
   expect_refused("export colmap out -o refused", 3, "has several cameras: front, right");
   expect_refused("import-fill out out/front/frames", 3, "has several cameras");
-  EXPECT_EQ(json("out/report.json")["cameras"], (nlohmann::json{"right", "front"})) << "in the given order";
+  EXPECT_EQ(read("out/report.json")["cameras"], (nlohmann::json{"right", "front"})) << "in the given order";
   const Result audit = dvi("audit out drive --json --quiet");
   EXPECT_EQ(audit.code, 0) << audit.out << audit.err;
   EXPECT_EQ(nlohmann::json::parse(audit.out)["frames"], 8);
@@ -106,6 +107,20 @@ TEST_F(Cameras, AreFilledInPiecesWithTheSameBytes) {
   ASSERT_EQ(dvi("fill out --quiet").code, 0);
   ASSERT_EQ(dvi("finish out --quiet").code, 0);
   EXPECT_EQ(result("out"), result("whole"));
+}
+
+TEST_F(Cameras, WithoutMasksTakeThoseOfTheFirst) {
+  stereo_drive();
+  fs::remove_all(folder / "drive/masks/right");
+  fs::remove(folder / "drive/boxes.json");
+  ASSERT_EQ(dvi("run drive --camera front,right --masks drive/masks --set objects.complete=false -o out --quiet").code, 0);
+  for (const fs::path& file : list_files(folder / "out/right/masks", {".png"})) {
+    const cv::Mat1b mask = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+    EXPECT_GT(cv::countNonZero(mask), 500) << "the mask of the first camera is reprojected";
+    EXPECT_LT(cv::countNonZero(mask), static_cast<int>(mask.total()) / 2);
+    EXPECT_EQ(cv::countNonZero(mask.col(mask.cols - 1)), 0) << "the first camera does not show this side, which is kept";
+  }
+  EXPECT_EQ(dvi("audit out drive --quiet").code, 0);
 }
 
 TEST_F(Cameras, ARunOfOneCameraReplacesOneOfSeveral) {

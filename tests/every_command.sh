@@ -49,7 +49,8 @@ dvi map one -o map --poses loam --trajectory kitti
 dvi run one -o filed --poses map/poses.txt
 dvi audit own one
 dvi audit both one two
-for format in colmap nerfstudio ply las mcap video holes labels; do dvi export $format both -o "export-$format"; done
+for format in colmap nerfstudio ply las mcap video holes labels folder; do dvi export $format both -o "export-$format"; done
+dvi run export-folder -o again
 dvi eval own --truth one/truth --external other=flow/frames --json
 dvi eval own --labels one/boxes.json
 dvi eval own --points one/truth_points

@@ -58,7 +58,8 @@ TEST_F(ExportTest, LeavesNoFilesIfItFails) {
   EXPECT_FALSE(fs::exists(folder / "model"));
   const Result unknown = dvi("export colmpa out -o model");
   EXPECT_EQ(unknown.code, 2);
-  EXPECT_THAT(unknown.err, HasSubstr("the formats are colmap, nerfstudio, ply, las, ortho, mcap, video, holes, labels"));
+  EXPECT_THAT(unknown.err,
+              HasSubstr("the formats are colmap, nerfstudio, ply, las, ortho, mcap, video, holes, labels, bag, folder"));
   const Result taken = dvi("export ply out -o drive");
   EXPECT_EQ(taken.code, 3);
 }

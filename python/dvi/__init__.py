@@ -223,7 +223,7 @@ def eval(out: "str | os.PathLike", truth: "str | os.PathLike | None" = None, *, 
 def export(format: str, out: "str | os.PathLike", folder: "str | os.PathLike", *, threads: int = 0, progress: Progress = None,
            **options: Any) -> dict:
     """Writes a result for other tools: what `dvi export --json` prints. format: colmap, nerfstudio, ply, las, ortho, mcap, video, holes,
-    labels (of the points of the scans)."""
+    labels (of the points of the scans), bag or folder (the recording with clean images; a bag of one file is exported to a file)."""
     return json.loads(_dvi.export(format, os.fspath(out), os.fspath(folder), options, threads, progress))
 
 

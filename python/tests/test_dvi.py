@@ -153,6 +153,7 @@ def test_the_other_commands(street, result, tmp_path):
     assert dvi.eval(result, street / "truth", masks=result / "masks")["all"] == scores["all"]
     assert dvi.export("ply", result, tmp_path / "ply")["counts"]["points"] > 1000
     assert dvi.export("labels", result, tmp_path / "labels")["counts"]["scans"] == 5
+    assert dvi.export("folder", result, tmp_path / "clean", quality=90)["counts"]["cleaned images"] == 5
     assert dvi.eval(result, points=street / "truth_points")["points"]["all"]["sa"] > 0.99
 
 

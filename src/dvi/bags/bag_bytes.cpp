@@ -74,6 +74,55 @@ std::string unpack_bz2([[maybe_unused]] std::string_view bytes, [[maybe_unused]]
 #endif
 }
 
+std::string pack_lz4([[maybe_unused]] std::string_view bytes, [[maybe_unused]] std::string_view like) {
+#ifdef DVI_LZ4
+  LZ4F_preferences_t preferences = LZ4F_INIT_PREFERENCES;
+  LZ4F_dctx* context = nullptr;
+  LZ4F_createDecompressionContext(&context, LZ4F_VERSION);
+  const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> owner(context, LZ4F_freeDecompressionContext);
+  std::size_t taken = like.size();
+  const std::size_t known = LZ4F_getFrameInfo(context, &preferences.frameInfo, like.data(), &taken);
+  if (LZ4F_isError(known)) throw std::invalid_argument(LZ4F_getErrorName(known));
+  if (preferences.frameInfo.contentSize != 0) preferences.frameInfo.contentSize = bytes.size();
+  std::string out(LZ4F_compressFrameBound(bytes.size(), &preferences), '\0');
+  const std::size_t result = LZ4F_compressFrame(out.data(), out.size(), bytes.data(), bytes.size(), &preferences);
+  if (LZ4F_isError(result)) throw std::invalid_argument(LZ4F_getErrorName(result));
+  out.resize(result);
+  return out;
+#else
+  fail_without("lz4");
+#endif
+}
+
+std::string pack_zstd([[maybe_unused]] std::string_view bytes) {
+#ifdef DVI_ZSTD
+  std::string out(ZSTD_compressBound(bytes.size()), '\0');
+  const std::size_t result = ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), ZSTD_CLEVEL_DEFAULT);
+  if (ZSTD_isError(result) != 0) throw std::invalid_argument(ZSTD_getErrorName(result));
+  out.resize(result);
+  return out;
+#else
+  fail_without("zstd");
+#endif
+}
+
+std::string pack_bz2([[maybe_unused]] std::string_view bytes) {
+#ifdef DVI_BZ2
+  constexpr int kLargestBlock = 9;                                 // the default of the bzip2 program
+  std::string out(bytes.size() + bytes.size() / 64 + 1024, '\0');  // the manual guarantees 1 % and 600 bytes
+  unsigned count = static_cast<unsigned>(out.size());
+  const int result = BZ2_bzBuffToBuffCompress(out.data(), &count, const_cast<char*>(bytes.data()),
+                                              static_cast<unsigned>(bytes.size()), kLargestBlock, 0, 0);
+  if (result != BZ_OK) throw std::invalid_argument(fmt::format("bzip2 reports error {}", result));
+  out.resize(count);
+  return out;
+#else
+  fail_without("bzip2");
+#endif
+}
+
+constexpr std::string_view kZstdMagic = "\x28\xB5\x2F\xFD";
+
 }  // namespace
 
 std::uint64_t require_bag_file(const fs::path& path) {
@@ -136,8 +185,15 @@ std::string unpack(std::string_view compression, std::string_view bytes, std::ui
   return out;
 }
 
+std::string pack(std::string_view compression, std::string_view bytes, std::string_view like) {
+  if (compression == "lz4") return pack_lz4(bytes, like);
+  if (compression == "zstd") return pack_zstd(bytes);
+  if (compression == "bz2") return pack_bz2(bytes);
+  return std::string(bytes);
+}
+
 std::string unpack_message(std::string bytes) {
-  if (!bytes.starts_with("\x28\xB5\x2F\xFD")) return bytes;  // CDR begins with 00
+  if (!bytes.starts_with(kZstdMagic)) return bytes;  // CDR begins with 00
 #ifdef DVI_ZSTD
   const unsigned long long size = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
   if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN)
@@ -146,6 +202,10 @@ std::string unpack_message(std::string bytes) {
 #else
   fail_without("zstd");
 #endif
+}
+
+std::string pack_message(std::string_view bytes, std::string_view like) {
+  return pack(like.starts_with(kZstdMagic) ? "zstd" : "", bytes, like);
 }
 
 }  // namespace dvi::bags

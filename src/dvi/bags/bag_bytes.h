@@ -79,8 +79,16 @@ class BagChunks {
 /// compression.
 std::string unpack(std::string_view compression, std::string_view bytes, std::uint64_t size);
 
+/// Compresses bytes like a chunk that unpack() decompresses from `like`: LZ4 frames get the same parameters, since some readers
+/// support only some of them. zstd and bz2 use their default level. Returns bytes of "" and "none" unchanged. Throws
+/// std::invalid_argument if that fails.
+std::string pack(std::string_view compression, std::string_view bytes, std::string_view like);
+
 /// Decompresses a message that was compressed individually, as by rosbag2 with compression_mode message; returns others
 /// unchanged.
 std::string unpack_message(std::string bytes);
+
+/// Compresses a message if `like`, the message that it replaces, was compressed individually; returns others unchanged.
+std::string pack_message(std::string_view bytes, std::string_view like);
 
 }  // namespace dvi::bags

@@ -6,6 +6,7 @@
 
 #include "dvi/bags/bag.h"
 #include "dvi/bags/bag_bytes.h"
+#include "dvi/bags/db3_address.h"
 #include "dvi/core/error.h"
 
 #ifdef DVI_SQLITE3
@@ -14,11 +15,6 @@
 
 namespace dvi::bags {
 
-#ifdef DVI_SQLITE3
-namespace {
-
-// Returns the address by which SQLite opens a database without writing files beside it. If a killed recorder left messages in a
-// write-ahead log, they are read as well, which requires SQLite to write an index.
 std::string make_database_address(const fs::path& path) {
   std::error_code error;
   const fs::path log = path.string() + "-wal";
@@ -28,6 +24,9 @@ std::string make_database_address(const fs::path& path) {
     address += c == '%' || c == '?' || c == '#' ? fmt::format("%{:02X}", static_cast<unsigned char>(c)) : std::string(1, c);
   return address + (has_log ? "" : "?immutable=1");
 }
+
+#ifdef DVI_SQLITE3
+namespace {
 
 // A database that is opened for reading only.
 class Db3 {

@@ -135,6 +135,8 @@ class GapCounter {
 
 }  // namespace
 
+std::string frame_name(std::size_t number) { return fmt::format("{:06d}", number); }
+
 FrameNumbers number_frames(const BagMessages& messages, const BagTopic& topic, const std::vector<StampedEntry>& entries) {
   return GapCounter(messages, topic, entries).run();
 }

@@ -20,6 +20,9 @@ struct FrameNumbers {
   }
 };
 
+/// Returns the name of the frame with a number: "000012".
+std::string frame_name(std::size_t number);
+
 /// Numbers the messages of a topic as in the whole recording, so that frame numbers and masks remain valid if files of a split
 /// recording are missing. Uses the counts of metadata.yaml or, if there are none, the times of the messages if these are
 /// regular. `entries` are in order of time. Throws InputError if the numbers cannot be determined.

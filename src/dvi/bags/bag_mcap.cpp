@@ -7,60 +7,16 @@
 
 #include "dvi/bags/bag.h"
 #include "dvi/bags/bag_bytes.h"
+#include "dvi/bags/mcap_records.h"
 #include "dvi/core/error.h"
 
 namespace dvi::bags {
 namespace {
 
-constexpr std::string_view kMcapMagic = "\x89MCAP0\r\n";
-constexpr std::uint64_t kRecordHeadBytes = 9;  // opcode and length
-constexpr std::uint64_t kNoChunk = 0;          // the position of the magic
-
-// The opcodes of the records that are read (https://mcap.dev/spec).
-enum Opcode : std::uint8_t {
-  footer_record = 2,
-  schema_record = 3,
-  channel_record = 4,
-  message_record = 5,
-  chunk_record = 6,
-  message_index_record = 7
-};
-
 struct McapChannel {
   std::uint16_t schema = 0;
   std::string topic, encoding;
 };
-
-struct McapChunk {
-  std::string compression;
-  std::uint64_t size = 0, unpacked_size = 0, at = 0;  ///< of its records; `at` is where they begin in the file
-};
-
-McapChunk parse_chunk_head(const BagFile& file, std::uint64_t record) {
-  constexpr std::uint64_t kMaxHeadBytes = 8 + 8 + 8 + 4 + 4 + 64 + 8;  // the name of the compression may have 64 bytes
-  const std::uint64_t begin = record + kRecordHeadBytes;
-  const std::string bytes = file.read(begin, std::min(kMaxHeadBytes, file.size() - begin));
-  ByteCursor cursor(bytes);
-  cursor.take(16);  // first and last time
-  McapChunk chunk;
-  chunk.unpacked_size = cursor.take<std::uint64_t>();
-  cursor.take(4);  // checksum
-  chunk.compression = cursor.take_sized<std::uint32_t>();
-  chunk.size = cursor.take<std::uint64_t>();
-  chunk.at = begin + bytes.size() - cursor.left();
-  return chunk;
-}
-
-std::string unpack_chunk(const BagFile& file, std::uint64_t record) {
-  try {
-    const McapChunk chunk = parse_chunk_head(file, record);
-    return unpack(chunk.compression, file.read(chunk.at, chunk.size), chunk.unpacked_size);
-  } catch (const InputError&) {
-    throw;
-  } catch (const std::exception& e) {
-    file.fail(record, fmt::format("a chunk cannot be unpacked: {}", e.what()));
-  }
-}
 
 // Collects channels, chunks and messages from the records of one file.
 class McapScan {
@@ -73,27 +29,19 @@ class McapScan {
     bool complete = false;
     for (std::uint64_t at = kMcapMagic.size(); !complete;) {
       if (at >= file_.size()) file_.fail(at, "the file ends without a footer");
-      const auto [opcode, length] = read_head(at);
-      if (opcode != message_index_record) finish_chunk();
-      take(opcode, at, length);
-      complete = opcode == footer_record;
-      at += kRecordHeadBytes + length;
+      const McapRecord record = read_mcap_record(file_, at);
+      if (record.opcode != message_index_record) finish_chunk();
+      take(record);
+      complete = record.opcode == footer_record;
+      at = record.end();
     }
     find_unknown_channels();
     return make_bag();
   }
 
  private:
-  std::pair<std::uint8_t, std::uint64_t> read_head(std::uint64_t at) const {
-    const std::string bytes = file_.read(at, kRecordHeadBytes);
-    ByteCursor cursor(bytes);
-    const auto opcode = cursor.take<std::uint8_t>();
-    const auto length = cursor.take<std::uint64_t>();
-    if (length > file_.size() - at - kRecordHeadBytes) file_.fail(at, "the file ends within a record");
-    return {opcode, length};
-  }
-
-  void take(std::uint8_t opcode, std::uint64_t at, std::uint64_t length) {
+  void take(const McapRecord& record) {
+    const auto [opcode, at, length] = record;
     if (opcode == chunk_record) {
       open_chunk_ = at;
       chunks_.push_back(at);
@@ -103,8 +51,10 @@ class McapScan {
       return;
     constexpr std::uint64_t kMessageHeadBytes = 2 + 4 + 8;
     const std::string bytes =
-        file_.read(at + kRecordHeadBytes, opcode == message_record ? std::min(length, kMessageHeadBytes) : length);
-    guard(at, [&] { take(opcode, bytes, opcode == message_index_record ? open_chunk_.value_or(kNoChunk) : kNoChunk, at); });
+        file_.read(record.content(), opcode == message_record ? std::min(length, kMessageHeadBytes) : length);
+    guard(at, [&, opcode = opcode, at = at] {
+      take(opcode, bytes, opcode == message_index_record ? open_chunk_.value_or(kNoMcapChunk) : kNoMcapChunk, at);
+    });
   }
 
   // Handles a record. `chunk` is the chunk that holds or indexes it; `at` is its position there or in the file.
@@ -124,7 +74,7 @@ class McapScan {
       const auto channel = cursor.take<std::uint16_t>();
       cursor.take(4);  // sequence
       messages_[channel].push_back({static_cast<std::int64_t>(cursor.take<std::uint64_t>()), 0, chunk, at});
-    } else if (opcode == message_index_record && chunk != kNoChunk) {
+    } else if (opcode == message_index_record && chunk != kNoMcapChunk) {
       indexed_ = true;
       const auto channel = cursor.take<std::uint16_t>();
       ByteCursor entries(cursor.take_sized<std::uint32_t>());
@@ -143,7 +93,7 @@ class McapScan {
   }
 
   void walk(std::uint64_t place, bool with_messages) {
-    const std::string chunk = unpack_chunk(file_, place);
+    const std::string chunk = unpack_mcap_chunk(file_, place);
     guard(place, [&] {
       ByteCursor cursor(chunk);
       while (!cursor.empty()) {
@@ -184,24 +134,24 @@ class McapScan {
     Bag out;
     out.files = {file_.path()};
     for (auto& [name, topic] : topics) out.topics.push_back(std::move(topic));
-    const auto chunks = std::make_shared<BagChunks>([file = file_](std::uint64_t place) { return unpack_chunk(file, place); });
+    const auto chunks =
+        std::make_shared<BagChunks>([file = file_](std::uint64_t place) { return unpack_mcap_chunk(file, place); });
     out.read = [file = file_, chunks](const BagEntry& entry) { return read(file, *chunks, entry); };
     return out;
   }
 
   static std::string read(const BagFile& file, BagChunks& chunks, const BagEntry& entry) {
-    static constexpr std::size_t kMessagePrefixBytes = 2 + 4 + 8 + 8;
     const auto data_of = [](std::string_view record) {
       ByteCursor cursor(record);
       cursor.take(1);
       std::string_view message = cursor.take_sized<std::uint64_t>();
-      message.remove_prefix(std::min(kMessagePrefixBytes, message.size()));
+      message.remove_prefix(std::min<std::size_t>(kMcapMessageHeadBytes, message.size()));
       return std::string(message);
     };
-    if (entry.chunk == kNoChunk) {
-      const std::string head = file.read(entry.offset, kRecordHeadBytes);
+    if (entry.chunk == kNoMcapChunk) {
+      const std::string head = file.read(entry.offset, kMcapHeadBytes);
       ByteCursor cursor(std::string_view(head).substr(1));
-      return data_of(file.read(entry.offset, kRecordHeadBytes + cursor.take<std::uint64_t>()));
+      return data_of(file.read(entry.offset, kMcapHeadBytes + cursor.take<std::uint64_t>()));
     }
     const std::shared_ptr<const std::string> chunk = chunks[entry.chunk];
     if (entry.offset >= chunk->size()) file.fail(entry.chunk, "the index of a chunk points beyond its end");

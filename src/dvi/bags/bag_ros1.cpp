@@ -5,80 +5,11 @@
 
 #include "dvi/bags/bag.h"
 #include "dvi/bags/bag_bytes.h"
+#include "dvi/bags/ros1_records.h"
 #include "dvi/core/error.h"
-#include "dvi/core/text.h"
 
 namespace dvi::bags {
 namespace {
-
-constexpr std::string_view kRos1Magic = "#ROSBAG V2.0\n";
-
-// The opcodes of the records that are read (https://wiki.ros.org/Bags/Format/2.0).
-enum Ros1Op : std::uint8_t { message_data_op = 2, bag_header_op = 3, index_data_op = 4, chunk_op = 5, connection_op = 7 };
-
-// The fields "name=value" of a record's header.
-class Ros1Fields {
- public:
-  explicit Ros1Fields(std::string_view bytes) {
-    ByteCursor cursor(bytes);
-    while (!cursor.empty()) {
-      const std::string_view field = cursor.take_sized<std::uint32_t>();
-      const std::size_t sign = field.find('=');
-      if (sign == std::string_view::npos) throw std::out_of_range("a field has no '='");
-      fields_.emplace(field.substr(0, sign), field.substr(sign + 1));
-    }
-  }
-  std::string_view text(const std::string& name) const {
-    const auto field = fields_.find(name);
-    return field == fields_.end() ? std::string_view() : std::string_view(field->second);
-  }
-  template <class T>
-  T number(const std::string& name) const {
-    return ByteCursor(text(name)).take<T>();
-  }
-  std::int64_t time(const std::string& name) const {
-    ByteCursor cursor(text(name));
-    const std::int64_t seconds = cursor.take<std::uint32_t>();
-    return seconds * 1'000'000'000 + cursor.take<std::uint32_t>();
-  }
-
- private:
-  std::map<std::string, std::string> fields_;
-};
-
-struct Ros1Record {
-  Ros1Fields fields;
-  std::uint64_t data = 0, length = 0;  ///< position in the file and size of the record's data
-
-  std::uint64_t end() const { return data + length; }
-};
-
-Ros1Record read_record(const BagFile& file, std::uint64_t at) {
-  const auto number = [&](std::uint64_t place) {
-    const std::string bytes = file.read(place, 4);
-    return std::uint64_t{ByteCursor(bytes).take<std::uint32_t>()};
-  };
-  const std::uint64_t head = number(at), data = at + 4 + head;
-  try {
-    Ros1Record record{Ros1Fields(file.read(at + 4, head)), data + 4, number(data)};
-    if (record.end() > file.size()) file.fail(at, "the file ends within a record");
-    return record;
-  } catch (const std::out_of_range&) {
-    file.fail(at, "the header of a record is damaged");
-  }
-}
-
-std::string unpack_ros1_chunk(const BagFile& file, std::uint64_t at) {
-  const Ros1Record record = read_record(file, at);
-  try {
-    return unpack(record.fields.text("compression"), file.read(record.data, record.length),
-                  record.fields.number<std::uint32_t>("size"));
-  } catch (const InputError&) {
-    throw;
-  } catch (const std::exception& e) {
-    file.fail(at, fmt::format("a chunk cannot be unpacked: {}", e.what()));
-  }
-}
 
 class Ros1Scan {
  public:
@@ -89,7 +20,7 @@ class Ros1Scan {
       throw InputError(file_.path(), "is not a ROS 1 bag of version 2.0", "its first line is not #ROSBAG V2.0");
     std::optional<std::uint64_t> chunk;  // whose index has not been read yet
     for (std::uint64_t at = kRos1Magic.size(); at < file_.size();) {
-      const Ros1Record record = read_record(file_, at);
+      const Ros1Record record = read_ros1_record(file_, at);
       guard(at, [&] {
         const auto op = record.fields.number<std::uint8_t>("op");
         if (chunk && op != index_data_op) walk(*chunk);

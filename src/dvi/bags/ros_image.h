@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include <opencv2/core/mat.hpp>
 
 #include "dvi/bags/ros_message.h"
+#include "dvi/media/image_edit.h"
 
 namespace dvi::bags {
 
@@ -56,5 +58,14 @@ cv::Mat3b to_bgr(const RosCompressedImage& image, int value_bits);
 
 /// Returns the colors of a decoded file. Converts Bayer patterns, which image_transport stores as gray.
 cv::Mat3b convert_bayer_file(const cv::Mat3b& image, const std::string& format);
+
+/// Applies an edit to a sensor_msgs/Image of 8-bit gray, BGR, RGB, BGRA, or RGBA; all other bytes are kept. Returns nothing if
+/// the edit was not made for this image. Throws std::invalid_argument for other encodings, whose pixels cannot be written back.
+std::optional<std::string> edit_image(std::string message, BagEncoding encoding, const media::ImageEdit& edit);
+
+/// Applies an edit to the file in a sensor_msgs/CompressedImage, as media::edit_image_file() does; header and format are kept.
+/// Throws std::invalid_argument for other formats and for Bayer patterns.
+std::optional<std::string> edit_compressed_image(std::string_view message, BagEncoding encoding, const media::ImageEdit& edit,
+                                                 int jpeg_quality);
 
 }  // namespace dvi::bags

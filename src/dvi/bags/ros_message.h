@@ -39,6 +39,7 @@ class RosFields {
   /// Reads the length of a list whose items have at least `item_bytes` bytes each.
   std::uint32_t length(std::size_t item_bytes);
   BagEncoding encoding() const { return encoding_; }
+  bool is_big_endian() const { return swap_; }
 
  private:
   std::string_view take(std::size_t count, std::size_t alignment);

@@ -300,7 +300,8 @@ DriveFormat kitti_360_format() {
           "data_2d_raw/2013_05_28_drive_0000_sync with image_00/data_rect; calibration and data_3d_raw beside data_2d_raw",
           recognize_kitti_360,
           read_kitti_360,
-          {"image_00/data_rect|image_01/data_rect", "image_00/timestamps.txt", "../../calibration/perspective.txt"}};
+          {"image_00/data_rect|image_01/data_rect", "image_00/timestamps.txt", "../../calibration/perspective.txt"},
+          2};
 }
 
 }  // namespace dvi::datasets

@@ -111,7 +111,8 @@ DriveFormat kitti_odometry_format() {
           "sequences/00 with image_2 (or image_0), velodyne, calib.txt and times.txt",
           recognize_kitti_odometry,
           read_kitti_odometry,
-          {"image_2|image_0", "velodyne", "calib.txt", "times.txt"}};
+          {"image_2|image_0", "velodyne", "calib.txt", "times.txt"},
+          2};
 }
 
 }  // namespace dvi::datasets

@@ -212,7 +212,8 @@ DriveFormat kitti_raw_format() {
           recognize_kitti,
           read_kitti,
           {"image_02/data|image_00/data", "image_02/timestamps.txt|image_00/timestamps.txt", "velodyne_points/data",
-           "oxts/data", "../calib_cam_to_cam.txt"}};
+           "oxts/data", "../calib_cam_to_cam.txt"},
+          2};
 }
 
 }  // namespace dvi::datasets

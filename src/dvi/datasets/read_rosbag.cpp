@@ -158,10 +158,10 @@ class BagReader {
                                             fmt::join(numbers.missing, ", "),
                                             numbers.is_estimated ? " (estimated from the regular times of the others)" : ""));
     for (const bags::StampedEntry& image : images) {
-      const int number = static_cast<int>(numbers.number(*camera_.images, image.number));
-      image_of_frame_[number] = image.number;
+      const std::size_t number = numbers.number(*camera_.images, image.number);
+      image_of_frame_[static_cast<int>(number)] = image.number;
       drive_.frames.push_back(
-          {number, fmt::format("{:06d}", number), image.time_ns, file_of(*camera_.images, image.number), {}});
+          {static_cast<int>(number), bags::frame_name(number), image.time_ns, file_of(*camera_.images, image.number), {}});
     }
   }
 

@@ -174,6 +174,14 @@ const std::vector<DriveFormat>& drive_formats() {
 
 bool holds_many_images(const fs::path& file) { return bags::is_bag(file) || media::is_video(file); }
 
+fs::path find_data_root(const Drive& drive) {
+  fs::path root = fs::is_directory(drive.path) ? drive.path : drive.path.parent_path();  // a scene of nuScenes is not a folder
+  for (const DriveFormat& format : drive_formats())
+    if (format.name == drive.format)
+      for (int level = 0; level < format.levels_to_root; ++level) root = root.parent_path();
+  return root;
+}
+
 bool can_list_numbers(Drive& drive, int step) {
   const std::vector<Frame>& frames = drive.frames;
   const auto distance = [](const Frame& a, const Frame& b) { return std::int64_t{b.number} - a.number; };

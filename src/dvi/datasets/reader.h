@@ -45,6 +45,8 @@ struct DriveFormat {
   std::function<DriveContents(const std::filesystem::path&, const ReadOptions&)> read;
   /// The files and folders of such a drive, with which an unknown folder is compared; "a|b" means one of them.
   std::vector<std::string> parts = {};
+  /// The number of folders from the drive up to the root of the data set, which holds all files of the drive.
+  int levels_to_root = 0;
 };
 
 DriveFormat folder_format();
@@ -64,6 +66,10 @@ bool holds_many_images(const std::filesystem::path& file);
 
 /// Returns all formats. A new reader is one file and one line here.
 const std::vector<DriveFormat>& drive_formats();
+
+/// Returns the root of the data set of a drive: the folder that holds its calibration, scans, and images, such as the parent of
+/// the date for KITTI. It is the drive's own folder for most formats.
+std::filesystem::path find_data_root(const Drive& drive);
 
 /// Opens a drive of any format. Looks at names and parses text files; reads no images, and only samples of the scans. Throws
 /// InputError if the path is not a drive, if required files are missing, or if the requested frames do not exist.

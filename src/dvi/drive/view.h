@@ -48,10 +48,10 @@ inline bool shares_colors(const View& a, const View& b) { return a.gray == b.gra
 /// view is its source number.
 struct Views {
   std::vector<View> views;
-  int cleaned_sequences = 1;                 ///< the first sequences, whose views are filled
   Lazy<cv::Mat3b> images;                    ///< one per view
   Lazy<cv::Mat1b> masks;                     ///< one per view; 255 = remove
   Lazy<std::vector<ImageReturn>> returns{};  ///< one per view: the returns of the scan taken with it; empty: unknown
+  int cleaned_sequences = 1;                 ///< the first sequences, whose views are filled
 
   std::size_t size() const { return views.size(); }
   const View& operator[](std::size_t i) const { return views[i]; }

@@ -11,9 +11,9 @@
 namespace dvi::exports {
 
 const std::vector<ExportFormat>& export_formats() {
-  static const std::vector<ExportFormat> formats{colmap_format(), nerfstudio_format(), ply_format(),
-                                                 las_format(),    ortho_format(),      mcap_format(),
-                                                 video_format(),  holes_format(),      labels_format()};
+  static const std::vector<ExportFormat> formats{colmap_format(), nerfstudio_format(), ply_format(),   las_format(),
+                                                 ortho_format(),  mcap_format(),       video_format(), holes_format(),
+                                                 labels_format(), bag_format(),        folder_format()};
   return formats;
 }
 
@@ -29,32 +29,38 @@ const ExportFormat& find_export_format(const std::string& name) {
 ExportReport export_result(const ExportTask& task, const ExportFormat& format, const ExportOptions& options,
                            Progress& progress) {
   options.check();
-  require_empty(task.folder, "export");
-  const Result result(task.out, task.label_scans);
-  const fs::path place = fs::absolute(task.folder / "").lexically_normal().parent_path();
+  const Result result(task.out, task.from);
+  const fs::path place = fs::absolute(task.place / "").lexically_normal().parent_path();
+  const bool is_file = format.is_file && format.is_file(result, options, place);
+  if (!is_file) require_empty(task.place, "export");
   make_folder(place.parent_path());
-  Draft draft(place, place.parent_path() / ("." + place.filename().string() + ".part"));
-  make_folder(draft.path());
+  Draft draft(place, is_file ? temporary_beside(place) : place.parent_path() / ("." + place.filename().string() + ".part"));
+  if (!is_file) make_folder(draft.path());
   progress.begin("export " + format.name, result.frames().size());
   ExportReport report = format.write(result, draft.path(), options, progress);
   progress.end();
   draft.finish();
+  report.folder = is_file ? task.place.parent_path() / "." : task.place;
+  report.warnings = progress.warnings();
+  if (is_file) report.files = {task.place.filename()};
   return report;
 }
 
-std::string to_json(const ExportReport& report, const std::string& format, const fs::path& folder) {
+std::string to_json(const ExportReport& report, const std::string& format) {
   nlohmann::json counts = nlohmann::json::object();
   for (const auto& [name, count] : report.counts) counts[name] = count;
   return json_text({{"schema", "dvi-export/1"},
                     {"format", format},
-                    {"folder", fs::absolute(folder).lexically_normal().string()},
+                    {"folder", fs::absolute(report.folder / "").lexically_normal().parent_path().string()},
                     {"files", report.files},
-                    {"counts", counts}});
+                    {"counts", counts},
+                    {"warnings", report.warnings}});
 }
 
-std::string brief(const ExportReport& report, const fs::path& folder) {
+std::string brief(const ExportReport& report) {
   std::vector<std::string> lines, counts;
-  for (const std::string& file : report.files) lines.push_back((folder / file).string());
+  for (const std::string& file : report.files) lines.push_back((report.folder / file).lexically_normal().string());
+  if (lines.empty()) lines.push_back(report.folder.string());
   for (const auto& [name, count] : report.counts) counts.push_back(fmt::format("{} {}", count, name));
   lines.push_back(fmt::format("{}", fmt::join(counts, ", ")));
   return fmt::format("{}", fmt::join(lines, "\n"));

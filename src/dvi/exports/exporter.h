@@ -30,6 +30,8 @@ struct ExportOptions {
   bool beside = false;
   int grow_px = 2;
   HoleLayout layout = HoleLayout::folders;
+  int quality = 95;
+  std::string input;
   media::VideoOptions video;
 
   void describe(OptionTable& table) {
@@ -47,6 +49,9 @@ struct ExportOptions {
     table.add("layout", layout,
               "holes: folders (frames/NAME.png and masks/NAME.png: ProPainter, IOPaint, ComfyUI) or pairs (pairs/NAME.png and "
               "NAME_mask.png of frames with holes: LaMa).");
+    table.add("quality", quality, {1, 100}, "bag, folder: quality of the JPEG images that contain filled pixels.");
+    table.add("input", input, {},
+              "bag, folder: the recording, if it is not where the run read it, or if it is an export of another camera of it.");
     video.describe(table);
   }
   void check() const { check_ranges(*this); }
@@ -56,15 +61,19 @@ struct ExportOptions {
 struct ExportReport {
   std::vector<std::string> files;                           ///< relative to the folder; those that a user opens first
   std::vector<std::pair<std::string, double>> counts = {};  ///< counts by name, such as images and points
+  fs::path folder = {};                                     ///< of `files`; set by export_result()
+  std::vector<std::string> warnings = {};                   ///< set by export_result()
 };
 
 /// An export format for other tools.
 struct ExportFormat {
   std::string name;
   std::string summary;  ///< one line: the files, and the tools that read them
-  /// Writes into an existing, empty folder. Ticks once per frame.
+  /// Writes into an existing, empty folder, or the file if the export is one. Ticks once per frame.
   std::function<ExportReport(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress)>
       write;
+  /// Checks the place of the export before anything is written, and returns whether it is a file. None: it is a folder.
+  std::function<bool(const Result& result, const ExportOptions& options, const fs::path& place)> is_file = {};
 };
 
 ExportFormat colmap_format();
@@ -76,6 +85,8 @@ ExportFormat video_format();
 ExportFormat mcap_format();
 ExportFormat holes_format();
 ExportFormat labels_format();
+ExportFormat bag_format();
+ExportFormat folder_format();
 
 /// Returns all formats. A new format is one file and one line here.
 const std::vector<ExportFormat>& export_formats();
@@ -83,10 +94,10 @@ const std::vector<ExportFormat>& export_formats();
 /// Returns the format of a name. Throws UsageError with all names if there is none.
 const ExportFormat& find_export_format(const std::string& name);
 
-/// A finished result of `dvi run` to export, and the new or empty folder to which it is exported.
+/// A finished result of `dvi run` to export, and the new or empty folder, or the new file, to which it is exported.
 struct ExportTask {
-  fs::path out, folder;
-  LabelScans label_scans = {};  ///< for the format labels: commands::label_scans
+  fs::path out, place;
+  ResultSources from = {};
 };
 
 /// Exports a result, completely or not at all. Throws InputError if the result lacks data that the format needs.
@@ -94,7 +105,7 @@ ExportReport export_result(const ExportTask& task, const ExportFormat& format, c
                            Progress& progress);
 
 /// Format a report as a JSON document, and as lines for the user.
-std::string to_json(const ExportReport& report, const std::string& format, const fs::path& folder);
-std::string brief(const ExportReport& report, const fs::path& folder);
+std::string to_json(const ExportReport& report, const std::string& format);
+std::string brief(const ExportReport& report);
 
 }  // namespace dvi::exports

@@ -40,7 +40,7 @@ void read_table(const fs::path& file, const Take& take) {
 
 }  // namespace
 
-Result::Result(const fs::path& out, LabelScans label_scans) : folder_(out), label_scans_(std::move(label_scans)) {
+Result::Result(const fs::path& out, ResultSources from) : folder_(out), from_(std::move(from)) {
   if (!fs::is_directory(out)) throw InputError(out, "is not a folder", "give the OUT of a dvi run");
   if (!fs::exists(out / "sources.json") || !fs::exists(out / "report.json"))
     throw InputError(out, "is not a finished result of dvi run", kRunAgain);
@@ -101,6 +101,10 @@ cv::Mat1f Result::depth(std::size_t frame) const {
   cv::Mat1f meters;
   media::read_png_depth(picture("depth", frame), size()).convertTo(meters, CV_32F, 1.0 / 256);
   return meters;
+}
+
+media::ImageEdit Result::edit(std::size_t frame) const {
+  return {image(frame), cv::Mat1b(kind(frame) != static_cast<int>(harmonize::Kind::original))};
 }
 
 cv::Mat1b Result::evidence(std::size_t frame) const {

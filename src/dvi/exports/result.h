@@ -9,9 +9,11 @@
 
 #include "dvi/core/files.h"
 #include "dvi/exports/labeled_scans.h"
+#include "dvi/exports/recorded_input.h"
 #include "dvi/geometry/camera.h"
 #include "dvi/geometry/earth_place.h"
 #include "dvi/geometry/se3.h"
+#include "dvi/media/image_edit.h"
 
 namespace dvi::exports {
 
@@ -23,13 +25,19 @@ struct ResultFrame {
   SE3 world_from_camera;
 };
 
+/// Functions of other modules that read the drive of a result again. It must still exist.
+struct ResultSources {
+  LabelScans label_scans = {};  ///< commands::label_scans
+  FindInput find_input = {};    ///< commands::find_recorded_input
+};
+
 /// An output folder of `dvi run` as other tools need it: the target's camera and its frames with their refined poses. Images
 /// are read on demand. The world is the target's first LiDAR pose: x forward, y left, z up.
 class Result {
  public:
   /// Reads the tables of OUT. Throws InputError if OUT is not a finished result, is damaged, has several cameras, or has no
   /// poses (methods without a map).
-  explicit Result(const fs::path& out, LabelScans label_scans = {});
+  explicit Result(const fs::path& out, ResultSources from = {});
 
   const fs::path& folder() const { return folder_; }
   const std::string& camera_name() const { return camera_name_; }
@@ -45,8 +53,11 @@ class Result {
   cv::Mat1f depth(std::size_t frame) const;       ///< depth z in meters; 0: unknown or sky
   /// Returns a mask: 255 for original and copied pixels, 0 for pixels without observation.
   cv::Mat1b evidence(std::size_t frame) const;
-  /// Labels the scans of the drive, which must still exist.
-  LabeledScans label_scans(Progress& progress) const { return label_scans_(folder_, progress); }
+  /// Returns the pixels that the run filled, to be written into the recorded image.
+  media::ImageEdit edit(std::size_t frame) const;
+  /// Labels the scans of the drive.
+  LabeledScans label_scans(Progress& progress) const { return from_.label_scans(folder_, progress); }
+  RecordedInput input() const { return from_.find_input(folder_); }
 
  private:
   void read_sources();
@@ -54,7 +65,7 @@ class Result {
   void read_place();
 
   fs::path folder_;
-  LabelScans label_scans_;
+  ResultSources from_;
   std::string camera_name_;
   Camera camera_;
   std::vector<ResultFrame> frames_;

@@ -26,7 +26,8 @@ objects::CameraEvidence evidence_of(const Recording& open, const Trajectory& wor
           .detector = open.detector,
           .ego_mask = open.ego_mask,
           .rig_of = open.rig_of,
-          .labeled_in_part = open.labeled_in_part};
+          .labeled_in_part = open.labeled_in_part,
+          .is_cleaned = open.is_cleaned};
 }
 
 objects::Evidence collect_evidence(const Recordings& drives, const Poses& poses) {

@@ -123,7 +123,15 @@ void share_boxes(const Drive& from, Drive& to) {
   to.labeled_around = from.labeled_around;
 }
 
-Recording open_camera(const Recordings& drives, std::size_t number, const std::string& camera, const job::ReadChoice& choice) {
+/// A camera of a recording.
+struct CameraToOpen {
+  std::size_t drive = 0;  ///< index of the recording of the drive's own camera
+  std::string name;
+  bool is_cleaned = false;
+};
+
+Recording open_camera(const Recordings& drives, const CameraToOpen& asked, const job::ReadChoice& choice) {
+  const auto& [number, camera, is_cleaned] = asked;
   const Recording& own = drives[number];
   datasets::ReadOptions read;
   read.camera = camera;
@@ -139,8 +147,14 @@ Recording open_camera(const Recordings& drives, std::size_t number, const std::s
     return std::find(own.drive.warnings.begin(), own.drive.warnings.end(), warning) != own.drive.warnings.end();
   });
   open.rig_of = number;
+  open.is_cleaned = is_cleaned;
   const bool has_given_labels = !own.masks_from.empty() && attach_given_labels(drive, choice);
   open.masks_from = choose_mask_sources(drive, own, choice);
+  if (is_cleaned && own.masks_from.contains(MaskSource::detected)) {
+    open.detector = own.detector;
+    open.masks_from.insert(MaskSource::detected);
+    if (own.masks_from.size() == 1) open.masks_from.erase(MaskSource::reprojected);
+  }
   if (has_given_labels) {
     open.masks_from.erase(MaskSource::reprojected);
     open.masks_from.insert(MaskSource::labels);
@@ -152,7 +166,7 @@ Recording open_camera(const Recordings& drives, std::size_t number, const std::s
   const bool has_own_labels = has_given_labels || (labeled && drive.labeled_around && (choice.is_source || names_no_path));
   if (open.masks_from.contains(MaskSource::labels) && !has_own_labels) {
     share_boxes(own.drive, drive);
-    open.labeled_in_part = !drive.labeled_around;
+    open.labeled_in_part = !drive.labeled_around && !is_cleaned;
   }
   if (open.masks_from == MaskSources{MaskSource::files})
     if (const auto bare = labels::describe_frames_without_mask(drive)) drive.warnings.push_back(*bare);
@@ -211,8 +225,7 @@ Recordings add_other_cameras(Recordings drives, const job::Job& job, Progress& p
       const bool is_cleaned = i == 0 && job::is_listed(camera, job.read.camera);
       if (camera == drives[i].drive.camera_name || (asked && !asked->contains(camera) && !is_cleaned)) continue;
       try {
-        Recording open = open_camera(drives, i, camera, choice);
-        open.is_cleaned = is_cleaned;
+        Recording open = open_camera(drives, {i, camera, is_cleaned}, choice);
         for (const std::string& warning : open.drive.warnings) progress.warn(name_of(open) + ": " + warning);
         drives.push_back(std::move(open));
       } catch (const InputError& e) {

@@ -176,6 +176,10 @@ cv::Mat3b decode_image(const fs::path& name, const std::string& bytes, cv::Size 
   return decode(name, bytes, size, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
 }
 
+cv::Mat decode_unchanged(const fs::path& name, const std::string& bytes, cv::Size size) {
+  return decode(name, bytes, size, cv::IMREAD_UNCHANGED);
+}
+
 cv::Mat3b read_image(const fs::path& path, cv::Size size) { return decode_image(path, read_file(path), size); }
 
 cv::Mat read_unchanged(const fs::path& path, cv::Size size) {

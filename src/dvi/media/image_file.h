@@ -16,6 +16,9 @@ cv::Size image_size(const fs::path& path);
 cv::Size image_size(const fs::path& name, const std::string& bytes);
 cv::Mat3b decode_image(const fs::path& name, const std::string& bytes, cv::Size size);
 
+/// Decodes a file's bytes with the channels of the file (BGR if there are three). Errors are as for decode_image().
+cv::Mat decode_unchanged(const fs::path& name, const std::string& bytes, cv::Size size);
+
 /// Reads an image in BGR as it is stored. EXIF orientations are not applied, because calibration and scans do not rotate with
 /// them. Throws InputError if the image cannot be decoded completely, or has another size by its header.
 cv::Mat3b read_image(const fs::path& path, cv::Size size);

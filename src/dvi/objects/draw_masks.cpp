@@ -100,6 +100,17 @@ Lazy<cv::Mat1b> draw_camera(const CameraRef& ref, const Objects& objects, const 
   return images;
 }
 
+// Draws the parts of a camera's images that the images of the drive's own camera do not show.
+Lazy<cv::Mat1b> draw_outside(const Drive& own, const CameraEvidence& camera) {
+  const cv::Size size(own.camera.width, own.camera.height);
+  const Lazy<cv::Mat1b> nothing(own.frames.size(), [size](std::size_t) { return cv::Mat1b(size, uchar{0}); });
+  return reproject_masks(own, nothing, camera.drive, camera.world_from_lidar);
+}
+
+Lazy<cv::Mat1b> subtract(const Lazy<cv::Mat1b>& masks, const Lazy<cv::Mat1b>& others) {
+  return {masks.size(), [masks, others](std::size_t i) { return cv::Mat1b(*masks[i] & ~*others[i]); }};
+}
+
 // Returns the removed ones of a drive's labels, as they are given.
 FrameLabels select_given_labels(const CameraEvidence& evidence, const RemovalOptions& options) {
   const Drive& drive = evidence.drive;
@@ -136,7 +147,10 @@ Masks draw_masks(const Evidence& evidence, const Objects& objects, const Removal
     if (camera.sources != MaskSources{MaskSource::reprojected}) images = draw_camera({evidence, i}, objects, options, progress);
     if (camera.has(MaskSource::reprojected)) {
       const std::size_t own = *camera.rig_of;
-      const auto reprojected = reproject_masks(evidence[own].drive, masks[own].images, camera.drive, camera.world_from_lidar);
+      const Drive& drive = evidence[own].drive;
+      Lazy<cv::Mat1b> reprojected = reproject_masks(drive, masks[own].images, camera.drive, camera.world_from_lidar);
+      // Surfaces outside of the other image are not copied from, but they are not removed either.
+      if (camera.is_cleaned) reprojected = subtract(reprojected, draw_outside(drive, camera));
       images = images.empty() ? reprojected : unite(images, reprojected);
     }
     masks.push_back({images, objects[i]});

@@ -59,6 +59,7 @@ struct CameraEvidence {
   cv::Mat1b ego_mask{};                                ///< removed from all frames, 255; empty if there is none
   std::optional<std::size_t> rig_of{};                 ///< for further cameras of a drive: index of the drive's own camera
   bool labeled_in_part = false;                        ///< whether labels cover the view of the drive's own camera only
+  bool is_cleaned = false;                             ///< its frames are filled, not only copied from
   std::vector<bool> untrusted_scans{};                 ///< per scan of the drive, whether its pose is known to be wrong
 
   bool has(MaskSource source) const { return sources.contains(source); }

@@ -1,0 +1,198 @@
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "dvi/bags/bag_frame_numbers.h"
+#include "dvi/bags/bag_messages.h"
+#include "dvi/bags/bag_topics.h"
+#include "dvi/bags/copy_bag.h"
+#include "dvi/bags/ros_image.h"
+#include "dvi/core/error.h"
+#include "dvi/core/text.h"
+#include "dvi/exports/exporter.h"
+#include "dvi/exports/input_place.h"
+
+namespace dvi::exports {
+namespace {
+
+// The images of the cleaned camera in the bag of a result.
+class BagImages {
+ public:
+  explicit BagImages(const RecordedInput& input)
+      : messages_(input.path, bags::open_bag(input.path)),
+        choice_(bags::choose_topics(input.path, messages_.bag(), input.read.topics)) {}
+
+  const bags::Bag& bag() const { return messages_.bag(); }
+  const bags::BagTopic& topic() const { return *topic_; }
+  const fs::path& path() const { return messages_.path(); }
+
+  void choose_camera(const std::string& name) {
+    for (const bags::BagCamera& camera : choice_.cameras)
+      if (camera.name == name) topic_ = camera.images;
+    if (topic_ == nullptr)
+      throw InputError(path(), fmt::format("has no camera {}, which the run cleaned", name), kSameRecording);
+  }
+
+  // Returns the messages of the frames of a result, in their order.
+  std::vector<std::size_t> find_messages(const Result& result) const {
+    std::vector<std::string> warnings;  // the run printed them
+    const std::vector<bags::StampedEntry> entries = messages_.list_stamped(topic(), warnings);
+    const bags::FrameNumbers numbers = bags::number_frames(messages_, topic(), entries);
+    std::map<std::string, std::size_t> by_name;
+    for (const bags::StampedEntry& entry : entries)
+      by_name[bags::frame_name(numbers.number(topic(), entry.number))] = entry.number;
+    std::vector<std::size_t> out;
+    for (const ResultFrame& frame : result.frames()) {
+      const auto message = by_name.find(frame.name);
+      if (message == by_name.end())
+        throw InputError(path(), fmt::format("has no image {} of {}, which the run cleaned", frame.name, topic().name),
+                         kSameRecording);
+      out.push_back(message->second);
+    }
+    return out;
+  }
+
+  // Lists the other topics with images, which show the traffic.
+  std::vector<std::string> list_other_images() const {
+    std::vector<std::string> out;
+    for (const bags::BagTopic& other : bag().topics)
+      if (&other != topic_ && bags::is_images(other) && !other.messages.empty() && &other != choice_.depth.images)
+        out.push_back(other.name);
+    return out;
+  }
+
+ private:
+  bags::BagMessages messages_;
+  bags::BagChoice choice_;
+  const bags::BagTopic* topic_ = nullptr;
+};
+
+// Makes the messages with clean images.
+class CleanMessages {
+ public:
+  CleanMessages(const Result& result, const BagImages& images, int jpeg_quality)
+      : result_(result), images_(images), jpeg_quality_(jpeg_quality), messages_(images.find_messages(result)) {}
+
+  // Returns the messages to replace in one file of the bag, numbered by frame.
+  bags::ReplacedMessages in_file(std::size_t file, Progress& progress) {
+    bags::ReplacedMessages out;
+    for (std::size_t frame = 0; frame < messages_.size(); ++frame) {
+      const bags::BagEntry& entry = images_.topic().messages[messages_[frame]];
+      if (entry.file == file) out.numbers[entry.chunk][entry.offset] = frame;
+    }
+    out.replace = [this, &progress](std::size_t frame, std::string_view message) {
+      std::string clean = replace(frame, message);
+      ++copied_;
+      changed_ += clean == message ? 0 : 1;
+      progress.advance();
+      return clean;
+    };
+    return out;
+  }
+
+  std::size_t size() const { return messages_.size(); }
+  std::size_t changed() const { return changed_; }
+  // Throws InputError if a message was not found while the files were copied.
+  void require_all_copied() const {
+    if (copied_ != messages_.size()) throw InputError(images_.path(), "changed while it was copied", "export again");
+  }
+
+ private:
+  std::string replace(std::size_t frame, std::string_view message) const {
+    const bags::BagTopic& topic = images_.topic();
+    const auto fail = [&](const std::string& why, const char* remedy) {
+      throw InputError(images_.path(), fmt::format("message {} of {}: {}", messages_[frame], topic.name, why), remedy);
+    };
+    std::optional<std::string> clean;
+    std::string plain;
+    try {
+      plain = bags::unpack_message(std::string(message));
+      const media::ImageEdit edit = result_.edit(frame);
+      clean = bags::is_compressed(topic) ? bags::edit_compressed_image(plain, topic.encoding, edit, jpeg_quality_)
+                                         : bags::edit_image(plain, topic.encoding, edit);
+    } catch (const std::invalid_argument& e) {
+      fail(e.what(), "export the images in another format, such as dvi export mcap or video");
+    }
+    if (!clean) fail("it is not the image that the run cleaned", kSameRecording);
+    return *clean == plain ? std::string(message) : bags::pack_message(*clean, message);
+  }
+
+  const Result& result_;
+  const BagImages& images_;
+  int jpeg_quality_;
+  std::vector<std::size_t> messages_;  // by frame
+  std::size_t copied_ = 0, changed_ = 0;
+};
+
+void warn_of_traffic(const BagImages& images, std::size_t cleaned, Progress& progress) {
+  const std::size_t all = images.topic().messages.size();
+  if (cleaned < all)
+    progress.warn(
+        fmt::format("{} of {} images of {} are not frames of the result: they are unchanged, with the traffic that they show",
+                    all - cleaned, all, images.topic().name));
+  if (const std::vector<std::string> others = images.list_other_images(); !others.empty())
+    progress.warn(fmt::format("the images of {} are unchanged, with the traffic that they show", fmt::join(others, ", ")));
+}
+
+RecordedInput find_bag(const Result& result, const ExportOptions& options) {
+  RecordedInput input = find_input(result, options);
+  if (!fs::exists(input.path)) throw InputError(input.path, "does not exist", kSameRecording);
+  if (!bags::is_bag(input.path))
+    throw InputError(input.path, "is not a bag", "export the recording in its own layout: dvi export folder");
+  return input;
+}
+
+ExportReport write_bag(const Result& result, const fs::path& place, const ExportOptions& options, Progress& progress) {
+  const RecordedInput input = find_bag(result, options);
+  BagImages images(input);
+  images.choose_camera(result.camera_name());
+  CleanMessages clean(result, images, options.quality);
+  const bool is_folder = fs::is_directory(input.path);
+  ExportReport report;
+  for (std::size_t file = 0; file < images.bag().files.size(); ++file) {
+    const fs::path& from = images.bag().files[file];
+    bags::copy_bag_file(from, is_folder ? place / from.filename() : place, clean.in_file(file, progress));
+    report.files.push_back(from.filename());
+  }
+  clean.require_all_copied();
+  if (is_folder)
+    for (const char* name : {"metadata.yaml", "dvi.toml"})
+      if (fs::exists(input.path / name)) write_file(place / name, read_file(input.path / name));
+  warn_of_traffic(images, clean.size(), progress);
+  report.counts = {{"cleaned images", static_cast<double>(clean.size())},
+                   {"of them changed", static_cast<double>(clean.changed())},
+                   {"other images of the topic", static_cast<double>(images.topic().messages.size() - clean.size())}};
+  return report;
+}
+
+// A bag that is one file is exported to a file.
+bool is_bag_file(const Result& result, const ExportOptions& options, const fs::path& place) {
+  const RecordedInput input = find_bag(result, options);
+  require_outside(place, input.path);
+  if (fs::is_directory(input.path)) {
+    if (bags::has_bag_ending(place))
+      throw InputError(place, fmt::format("is a file, but the recording {} is a folder", input.path.string()),
+                       "give a new folder");
+    return false;
+  }
+  const std::string ending = input.path.extension().string();
+  if (to_lower_case(place.extension().string()) != to_lower_case(ending))
+    throw InputError(
+        place, fmt::format("does not end in {} as the recording does", ending),
+        fmt::format("give a file of the format of the recording, such as clean{}; bags are not converted", ending));
+  if (fs::exists(place)) throw InputError(place, "exists", "choose another file");
+  return true;
+}
+
+}  // namespace
+
+ExportFormat bag_format() {
+  return {"bag", "the recorded bag (.bag, .mcap, .db3) with clean images; all other messages keep their bytes", write_bag,
+          is_bag_file};
+}
+
+}  // namespace dvi::exports

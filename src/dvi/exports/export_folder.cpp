@@ -1,0 +1,202 @@
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "dvi/bags/bag.h"
+#include "dvi/core/error.h"
+#include "dvi/core/threads.h"
+#include "dvi/exports/exporter.h"
+#include "dvi/exports/input_place.h"
+
+namespace dvi::exports {
+namespace {
+
+// The files of a recording, by their path relative to the folder above all of them.
+class RecordingFiles {
+ public:
+  RecordingFiles(const fs::path& root, const fs::path& out) : root_(root), out_(out) {}
+
+  // Adds a file that the reader uses, also if it is a link. Files outside of the root are counted only.
+  void add_used(const fs::path& file) {
+    if (file.empty() || !fs::is_regular_file(file)) return;
+    const fs::path relative = file.lexically_normal().lexically_relative(root_);
+    if (relative.empty() || *relative.begin() == "..")
+      outside_.insert(file.string());
+    else
+      files_.insert(relative);
+  }
+
+  // Adds the files below a folder, without links and without results of dvi.
+  void add_all(const fs::path& folder) {
+    for (auto at = fs::recursive_directory_iterator(folder); at != fs::recursive_directory_iterator(); ++at) {
+      if (at->is_symlink()) {
+        links_.insert(at->path().lexically_relative(root_));
+      } else if (at->is_directory()) {
+        if (fs::exists(at->path() / ".dvi") || is_inside(at->path(), out_)) at.disable_recursion_pending();
+      } else if (at->is_regular_file()) {
+        files_.insert(at->path().lexically_relative(root_));
+      }
+    }
+  }
+
+  // Adds the files in a folder, but not those in its subfolders.
+  void add_siblings(const fs::path& folder) {
+    if (!fs::is_directory(folder)) return;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) add_used(entry.path());
+  }
+
+  std::vector<fs::path> list() const { return {files_.begin(), files_.end()}; }
+  std::size_t count_left_out() const {
+    const auto is_left_out = [&](const fs::path& link) { return !files_.contains(link) && !contains_files(link); };
+    return outside_.size() + static_cast<std::size_t>(std::count_if(links_.begin(), links_.end(), is_left_out));
+  }
+
+ private:
+  // Returns whether files of a linked folder are used.
+  bool contains_files(const fs::path& link) const {
+    const auto next = files_.lower_bound(link / "");
+    return next != files_.end() && next->string().starts_with(link.string() + "/");
+  }
+
+  fs::path root_, out_;
+  std::set<fs::path> files_, links_;
+  std::set<std::string> outside_;
+};
+
+void add_files_of(const Drive& drive, RecordingFiles& files) {
+  for (const Frame& frame : drive.frames) files.add_used(frame.file);
+  for (const ScanHeader& scan : drive.scan_headers) files.add_used(scan.file);
+  for (const fs::path& file : drive.mask_files) files.add_used(file);
+  for (const fs::path& file : drive.other_files) files.add_used(file);
+  files.add_used(drive.map_file);
+  files.add_used(drive.mask_video);
+}
+
+// Lists the files of a drive. A scene of nuScenes does not have a folder of its own: its tables are those of all scenes, and
+// its loader needs the maps, too.
+RecordingFiles list_files_of(const Drive& drive, const RecordedInput& input, const fs::path& out) {
+  const fs::path root = datasets::find_data_root(drive);
+  RecordingFiles files(root, out);
+  add_files_of(drive, files);
+  if (fs::is_directory(drive.path)) {
+    files.add_all(drive.path);
+    return files;
+  }
+  for (const std::string& camera : drive.camera_names) {
+    datasets::ReadOptions read = input.read;
+    read.camera = camera;
+    add_files_of(datasets::read_drive(drive.path, read), files);
+  }
+  std::set<fs::path> folders{root / "maps"};
+  for (const fs::path& table : drive.other_files) folders.insert(table.parent_path());
+  for (const fs::path& folder : folders) files.add_siblings(folder);
+  return files;
+}
+
+void copy_plain(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::create_directories(to.parent_path(), error);
+  if (!error) fs::copy_file(from, to, error);
+  if (error) throw InputError(from, fmt::format("cannot be copied ({})", error.message()), "free space or make it readable");
+}
+
+// Opens the whole recording of a result. Throws InputError if its images are not single files.
+Drive open_recording(const Result& result, const RecordedInput& input) {
+  if (bags::is_bag(input.path)) throw InputError(input.path, "is a bag", "export it as a bag: dvi export bag");
+  datasets::ReadOptions read = input.read;
+  read.camera = result.camera_name();
+  Drive drive = datasets::read_drive(input.path, read);
+  if (datasets::holds_many_images(drive.frames.front().file))
+    throw InputError(drive.frames.front().file, "is a video, whose frames cannot be replaced",
+                     "export the result as a video: dvi export video");
+  return drive;
+}
+
+// Returns the file of each frame of a result in a drive.
+std::vector<fs::path> find_frame_files(const Result& result, const Drive& drive, const fs::path& root) {
+  std::map<std::string, fs::path> by_name;
+  for (const Frame& frame : drive.frames) by_name[frame.name] = frame.file;
+  std::vector<fs::path> out;
+  for (const ResultFrame& frame : result.frames()) {
+    const auto file = by_name.find(frame.name);
+    if (file == by_name.end())
+      throw InputError(drive.path, fmt::format("has no image {} of {}, which the run cleaned", frame.name, drive.camera_name),
+                       kSameRecording);
+    out.push_back(file->second.lexically_normal());
+    if (*out.back().lexically_relative(root).begin() == "..")
+      throw InputError(out.back(), fmt::format("is outside of {}", root.string()), "move it into the recording");
+  }
+  return out;
+}
+
+// Writes the clean image of a frame, and returns whether it differs from the recorded one.
+bool write_frame(const media::ImageEdit& edit, const fs::path& from, const fs::path& to, int jpeg_quality) {
+  const std::string recorded = read_file(from);
+  const std::optional<std::string> clean = media::edit_image_file(from, recorded, edit, jpeg_quality);
+  if (!clean) throw InputError(from, "is not the image that the run cleaned", kSameRecording);
+  make_folder(to.parent_path());
+  write_file(to, *clean);
+  return *clean != recorded;
+}
+
+void warn_of_traffic(const Drive& drive, std::size_t cleaned, Progress& progress) {
+  if (cleaned < drive.frames.size())
+    progress.warn(
+        fmt::format("{} of {} images of {} are not frames of the result: they are unchanged, with the traffic that they show",
+                    drive.frames.size() - cleaned, drive.frames.size(), drive.camera_name));
+  std::vector<std::string> others = drive.camera_names;
+  std::erase(others, drive.camera_name);
+  if (!others.empty())
+    progress.warn(fmt::format("the images of {} are unchanged, with the traffic that they show", fmt::join(others, ", ")));
+}
+
+ExportReport write_folder(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
+  const RecordedInput input = find_input(result, options);
+  const Drive drive = open_recording(result, input);
+  const fs::path root = datasets::find_data_root(drive);
+  const std::vector<fs::path> frames = find_frame_files(result, drive, root);
+  const RecordingFiles files = list_files_of(drive, input, result.folder());
+  std::vector<fs::path> others;
+  const std::set<fs::path> replaced(frames.begin(), frames.end());
+  for (const fs::path& file : files.list())
+    if (!replaced.contains(root / file)) others.push_back(file);
+
+  std::vector<char> changed(frames.size(), 0);
+  parallel_for(frames.size(), [&](std::size_t i) {
+    changed[i] = write_frame(result.edit(i), frames[i], folder / frames[i].lexically_relative(root), options.quality) ? 1 : 0;
+    progress.advance();
+  });
+  progress.begin("copy", others.size());
+  for (const fs::path& file : others) {
+    copy_plain(root / file, folder / file);
+    progress.advance();
+  }
+  warn_of_traffic(drive, frames.size(), progress);
+  if (const std::size_t left_out = files.count_left_out(); left_out > 0)
+    progress.warn(fmt::format("{} links and files outside of {} are not copied", left_out, root.string()));
+  const fs::path relative = drive.path.lexically_relative(root);
+  return {relative == "." ? std::vector<std::string>{} : std::vector<std::string>{relative.string()},
+          {{"cleaned images", static_cast<double>(frames.size())},
+           {"of them changed", static_cast<double>(std::count(changed.begin(), changed.end(), 1))},
+           {"other images of the camera", static_cast<double>(drive.frames.size() - frames.size())},
+           {"other files", static_cast<double>(others.size())}}};
+}
+
+bool is_recording_file(const Result& result, const ExportOptions& options, const fs::path& place) {
+  require_outside(place, find_input(result, options).path);
+  return false;
+}
+
+}  // namespace
+
+ExportFormat folder_format() {
+  return {"folder", "the recording in its own layout and file formats (KITTI, nuScenes, and others) with clean images",
+          write_folder, is_recording_file};
+}
+
+}  // namespace dvi::exports

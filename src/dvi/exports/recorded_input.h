@@ -1,0 +1,19 @@
+#pragma once
+
+#include <functional>
+
+#include "dvi/core/files.h"
+#include "dvi/datasets/reader.h"
+
+namespace dvi::exports {
+
+/// The recording from which a result was made.
+struct RecordedInput {
+  fs::path path;
+  datasets::ReadOptions read;  ///< the camera and topics of the run
+};
+
+/// Finds the recording of a finished result of `dvi run` (commands::find_recorded_input()).
+using FindInput = std::function<RecordedInput(const fs::path& out)>;
+
+}  // namespace dvi::exports
