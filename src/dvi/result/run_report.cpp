@@ -1,10 +1,8 @@
 #include "dvi/result/run_report.h"
 
 #include <algorithm>
-#include <numeric>
-
-#include <algorithm>
 #include <array>
+#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>

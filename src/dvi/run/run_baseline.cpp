@@ -5,6 +5,7 @@
 #include "dvi/inputs/make_views.h"
 #include "dvi/result/result_folder.h"
 #include "dvi/run/run_stages.h"
+#include "dvi/run/smoothed_frames.h"
 
 namespace dvi::run {
 namespace {
