@@ -15,6 +15,7 @@ from urllib.parse import quote
 try:
     from selenium.webdriver import ActionChains
     from selenium.webdriver.common.by import By
+    from selenium.webdriver.common.keys import Keys
 
     import browser
 except ImportError:
@@ -86,6 +87,30 @@ class Report(unittest.TestCase):
         actions = ActionChains(self.driver)
         actions.w3c_actions.pointer_action.move_to_location(x, y).click()
         actions.perform()
+
+    def test_a_camera_is_selected(self):
+        street, out = self.folder / "rig", self.folder / "rig_result"
+        browser.dvi(PROGRAM, "synth", "-o", street, "--frames", 3, "--width", 160, "--height", 96, "--beams", 32, "--columns", 900,
+                    "--stereo-m", 0.5, "--quiet")
+        browser.dvi(PROGRAM, "run", street, "--camera", "all", "-o", out, "--quiet")
+        self.open(out, "frames/1")
+        browser.until(self.driver, "dvi.frameView && dvi.frameView.map")
+        self.assertEqual(self.js("[...document.querySelectorAll('#camera option')].map((o) => o.value)"), ["front", "right"])
+        self.assertEqual(self.text("#frame-name"), "000001  (2 of 3)")
+        self.js("(() => { const s = document.getElementById('camera'); s.value = 'right'; s.dispatchEvent(new Event('change')); })()")
+        browser.until(self.driver, "location.hash === '#frames/4'")
+        self.assertEqual(self.js("document.getElementById('camera').value"), "right")
+        self.assertEqual(self.text("#frame-name"), "000001  (2 of 3)")
+        for _ in range(3):
+            self.press(Keys.ARROW_RIGHT)
+        browser.until(self.driver, "location.hash === '#frames/5'")
+        self.assertEqual(self.js("dvi.frameName(5)"), "right/000002")
+        self.press(Keys.HOME)
+        browser.until(self.driver, "location.hash === '#frames/3'")
+        self.open(out, "overview")
+        browser.until(self.driver, "document.getElementById('objects')")
+        self.assertIn("right", self.text("#objects"))
+        self.no_error(out)
 
     def test_overview_shows_the_figures_of_the_run(self):
         self.open(self.out)

@@ -25,7 +25,7 @@
     dvi.chart(parent, {
       type: "line",
       data: {
-        labels: dvi.frames().map((frame) => frame.name),
+        labels: dvi.frames().map((frame, i) => dvi.frameName(i)),
         datasets: series.map(({label, color: of, values}) =>
           ({label, data: values, borderColor: of, backgroundColor: of, borderWidth: 1.5, pointRadius: values.length < 60 ? 2 : 0})),
       },
@@ -37,14 +37,16 @@
       },
     });
 
-  /** Draws the shares of each frame's hole by kind, stacked. The frame `current()` is marked. */
+  /** Draws the shares of the hole by kind, stacked, of each frame of the camera of the frame `current()`, which is marked. */
   dvi.shareStrip = (parent, current) => {
+    const [first, last] = dvi.cameraRange(current());
+    const frames = dvi.frames().slice(first, last + 1);
     const kinds = dvi.texts.kinds.filter((kind) => kind.key && dvi.frames().some((frame) => frame.hole && frame.hole[kind.key] > 0));
     const mark = {
       id: "current",
       afterDraw: (chart) => {
         const {left, right, top, bottom} = chart.chartArea;
-        const x = left + ((right - left) * (current() + 0.5)) / Math.max(1, chart.data.labels.length);
+        const x = left + ((right - left) * (current() - first + 0.5)) / Math.max(1, chart.data.labels.length);
         chart.ctx.save();
         chart.ctx.strokeStyle = color("--ink");
         chart.ctx.lineWidth = 2;
@@ -55,11 +57,11 @@
     return dvi.chart(parent, {
       type: "bar",
       data: {
-        labels: dvi.frames().map((frame) => frame.name),
+        labels: frames.map((frame) => frame.name),
         datasets: kinds.map((kind) => ({
-          label: kind.name, backgroundColor: kind.color, barPercentage: 1, categoryPercentage: dvi.frames().length > 150 ? 1 : 0.9,
-          data: dvi.frames().map((frame, i) => {
-            const size = dvi.data.frames[i].size;
+          label: kind.name, backgroundColor: kind.color, barPercentage: 1, categoryPercentage: frames.length > 150 ? 1 : 0.9,
+          data: frames.map((frame, i) => {
+            const size = dvi.data.frames[first + i].size;
             return frame.hole && size ? (100 * frame.hole[kind.key]) / (size[0] * size[1]) : 0;
           }),
         })),
@@ -68,7 +70,7 @@
         onClick: (event, elements, chart) => {
           const {left, right} = chart.chartArea;
           const frame = Math.floor(((event.x - left) / (right - left)) * chart.data.labels.length);
-          dvi.go("frames", Math.max(0, Math.min(chart.data.labels.length - 1, frame)));
+          dvi.go("frames", first + Math.max(0, Math.min(chart.data.labels.length - 1, frame)));
         },
         interaction: {mode: "index", intersect: false},
         scales: {

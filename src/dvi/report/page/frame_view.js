@@ -117,6 +117,15 @@
   const fit = () => map.fitBounds(bounds(size()), {animate: false});
   const lookNow = (part) => map.fitBounds([[-part[1] - part[3], part[0]], [-part[1], part[0] + part[2]]], {animate: false});
 
+  // The strip shows the frames of one camera.
+  const updateStrip = () => {
+    const camera = dvi.frames()[state.frame].camera;
+    if (strip && camera === state.stripCamera) return strip.update("none");
+    if (strip) strip.destroy();
+    state.stripCamera = camera;
+    strip = dvi.shareStrip(id("strip"), () => state.frame);
+  };
+
   const show = (frame) => {
     const before = size().join();
     if (frame !== state.frame) dvi.noReceipt(t.receipt);
@@ -136,7 +145,7 @@
     state.look = null;
     clip();
     drawOverlay();
-    if (strip) strip.update("none");
+    updateStrip();
     const ahead = dvi.data.frames[state.frame + 1];
     if (ahead && ahead.size) [ahead.picture, dvi.numbered("before/", state.frame + 1, ".png")].forEach((src) => { new Image().src = src; });
   };
@@ -284,7 +293,6 @@
       makeMap();
       makeControls();
       dvi.noReceipt(t.receipt);
-      strip = dvi.shareStrip(id("strip"), () => state.frame);
     },
     show: (argument) => {
       if (!map) return;

@@ -12,7 +12,8 @@
   const row = (name, value, hint) => e("tr", {title: hint || ""}, e("th", {textContent: name}), e("td", {}, value));
 
   const apart = (frame, source) => {
-    if (source.frame < 0) return null;
+    const [first, last] = dvi.cameraRange(frame);
+    if (source.frame < first || source.frame > last) return null;  // another camera or drive
     const times = dvi.data.times, frames = source.frame - frame;
     const direction = frames < 0 ? "earlier" : "later";
     const seconds = times && times.length > Math.max(source.frame, frame) ? `, ${Math.abs(times[source.frame] - times[frame]).toFixed(1)} s` : "";

@@ -48,7 +48,7 @@
     if (!frames) return null;
     const by = new Map(frames.map((frame) => [frame.name, frame]));
     return lines("Error against the truth", "Mean absolute difference inside the removed area.", "gray levels",
-      [{label: "MAE", color: "#d55e00", values: dvi.frames().map((frame) => ((by.get(frame.name) || {}).all || {}).mae)}]);
+      [{label: "MAE", color: "#d55e00", values: dvi.frames().map((frame, i) => ((by.get(dvi.frameName(i)) || {}).all || {}).mae)}]);
   };
 
   const options = () => block("Options that differ from the default", "dvi.toml beside this page has all options.",
