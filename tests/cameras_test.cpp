@@ -13,9 +13,10 @@ namespace {
 
 using testing::Contains;
 using testing::ElementsAre;
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::Key;
-using testing::Not;
+using testing::StartsWith;
 
 /// Cleans several cameras of a drive in one run.
 class Cameras : public ProgramTest {
@@ -74,7 +75,8 @@ TEST_F(Cameras, HaveFoldersOfTheirOwnAndShareTheOtherFiles) {
 TEST_F(Cameras, AreAuditedAndScoredTogether) {
   stereo_drive();
   ASSERT_EQ(dvi("run drive --camera right,front -o out --quiet").code, 0);
-  expect_refused("export colmap out -o refused", 3, "has several cameras: front, right");
+  for (const char* format : {"holes", "video"})
+    expect_refused(std::string("export ") + format + " out -o refused", 3, "has several cameras (right, front)");
   expect_refused("import-fill out out/front/frames", 3, "has several cameras");
   EXPECT_EQ(read("out/report.json")["cameras"], (nlohmann::json{"right", "front"})) << "in the given order";
   const Result audit = dvi("audit out drive --json --quiet");
@@ -92,6 +94,43 @@ TEST_F(Cameras, AreAuditedAndScoredTogether) {
   for (const nlohmann::json& frame : evaluation["per_frame"]) ++names[frame.at("name")];
   EXPECT_THAT(names, Contains(Key("front/000001")));
   EXPECT_THAT(names, Contains(Key("right/000001")));
+}
+
+TEST_F(Cameras, AreExportedTogether) {
+  stereo_drive();
+  ASSERT_EQ(dvi("run drive --camera all -o out --quiet").code, 0);
+  for (const char* format : {"colmap", "nerfstudio", "mcap"})
+    ASSERT_EQ(dvi(std::string("export ") + format + " out -o " + format + " --quiet").code, 0) << format;
+
+  const std::vector<std::string> cameras = read_lines(folder / "colmap/sparse/0/cameras.txt");
+  ASSERT_EQ(cameras.size(), 3U) << "a comment and two cameras";
+  EXPECT_THAT(cameras[1], StartsWith("1 PINHOLE 240 136 "));
+  EXPECT_THAT(cameras[2], StartsWith("2 PINHOLE 240 136 "));
+  std::vector<std::string> images;
+  for (const std::string& line : read_lines(folder / "colmap/sparse/0/images.txt"))
+    if (line.ends_with(".png")) images.push_back(line);
+  ASSERT_EQ(images.size(), 8U);
+  EXPECT_THAT(images[3], EndsWith(" 1 front/000003.png"));
+  EXPECT_THAT(images[4], EndsWith(" 2 right/000000.png"));
+  EXPECT_TRUE(fs::exists(folder / "colmap/images/right/000003.png"));
+  EXPECT_TRUE(fs::exists(folder / "colmap/masks/right/000003.png.png"));
+
+  const nlohmann::json transforms = read("nerfstudio/transforms.json");
+  EXPECT_FALSE(transforms.contains("fl_x")) << "each frame has its camera";
+  ASSERT_EQ(transforms["frames"].size(), 8U);
+  EXPECT_EQ(transforms["frames"][7]["file_path"], "images/right/000003.png");
+  EXPECT_EQ(transforms["frames"][7]["w"], 240);
+  EXPECT_TRUE(fs::exists(folder / "nerfstudio/depth/right/000003.png"));
+  // The second camera is half a meter to the right of the first one, along its x axis.
+  const auto position = [&](std::size_t frame) {
+    const nlohmann::json& m = transforms["frames"][frame]["transform_matrix"];
+    return cv::Vec3d(m[0][3], m[1][3], m[2][3]);
+  };
+  EXPECT_NEAR(cv::norm(position(4) - position(0)), 0.5, 0.01);
+
+  const std::string mcap = read_file(folder / "mcap/drive.mcap");
+  for (const char* topic : {"/front/image/compressed", "/right/image/compressed", "/right/camera_info"})
+    EXPECT_THAT(mcap, HasSubstr(topic));
 }
 
 TEST_F(Cameras, AreFilledInPiecesWithTheSameBytes) {

@@ -149,7 +149,7 @@ RecordedInput find_bag(const Result& result, const ExportOptions& options) {
 ExportReport write_bag(const Result& result, const fs::path& place, const ExportOptions& options, Progress& progress) {
   const RecordedInput input = find_bag(result, options);
   BagImages images(input);
-  images.choose_camera(result.camera_name());
+  images.choose_camera(result.only_camera().name);
   CleanMessages clean(result, images, options.quality);
   const bool is_folder = fs::is_directory(input.path);
   ExportReport report;

@@ -17,13 +17,13 @@ constexpr double kPixelCenterPx = 0.5;
 // Tracks of all points would make gigabytes of text.
 constexpr std::size_t kMaxTracks = 20'000;
 
-std::string format_camera(const Camera& c) {
+std::string format_camera(std::size_t id, const Camera& c) {
   const std::string pinhole = fmt::format("{} {} {:.12g} {:.12g} {:.12g} {:.12g}", c.width, c.height, c.fx, c.fy,
                                           c.cx + kPixelCenterPx, c.cy + kPixelCenterPx);
-  if (!c.is_distorted()) return fmt::format("1 PINHOLE {}\n", pinhole);
+  if (!c.is_distorted()) return fmt::format("{} PINHOLE {}\n", id, pinhole);
   const auto& [k1, k2, p1, p2, k3] = c.distortion;
-  if (k3 == 0) return fmt::format("1 OPENCV {} {:.12g} {:.12g} {:.12g} {:.12g}\n", pinhole, k1, k2, p1, p2);
-  return fmt::format("1 FULL_OPENCV {} {:.12g} {:.12g} {:.12g} {:.12g} {:.12g} 0 0 0\n", pinhole, k1, k2, p1, p2, k3);
+  if (k3 == 0) return fmt::format("{} OPENCV {} {:.12g} {:.12g} {:.12g} {:.12g}\n", id, pinhole, k1, k2, p1, p2);
+  return fmt::format("{} FULL_OPENCV {} {:.12g} {:.12g} {:.12g} {:.12g} {:.12g} 0 0 0\n", id, pinhole, k1, k2, p1, p2, k3);
 }
 
 // The observation of a point in an image.
@@ -36,7 +36,7 @@ struct Observation {
 std::vector<Observation> find_observations(const Result& result, std::size_t frame, const std::vector<CloudPoint>& cloud,
                                            std::size_t every) {
   constexpr double kMaxDepthError = 0.02, kMinDepthM = 0.5;  // the former relative to the depth
-  const Camera& camera = result.camera();
+  const Camera& camera = result.camera(frame);
   const SE3 camera_from_world = result.frames()[frame].world_from_camera.inverse();
   const cv::Mat1f depth = result.depth(frame);
   const cv::Mat1b evidence = result.evidence(frame);
@@ -55,8 +55,8 @@ std::vector<Observation> find_observations(const Result& result, std::size_t fra
 std::string format_image(const ResultFrame& frame, std::size_t id, const std::vector<Observation>& seen) {
   const SE3 pose = frame.world_from_camera.inverse();
   const Eigen::Quaterniond q(pose.R);
-  std::string text = fmt::format("{} {:.12g} {:.12g} {:.12g} {:.12g} {:.12g} {:.12g} {:.12g} 1 {}.png\n", id, q.w(), q.x(),
-                                 q.y(), q.z(), pose.t.x(), pose.t.y(), pose.t.z(), frame.name);
+  std::string text = fmt::format("{} {:.12g} {:.12g} {:.12g} {:.12g} {:.12g} {:.12g} {:.12g} {} {}.png\n", id, q.w(), q.x(),
+                                 q.y(), q.z(), pose.t.x(), pose.t.y(), pose.t.z(), frame.camera + 1, frame.name);
   for (std::size_t i = 0; i < seen.size(); ++i)
     text += fmt::format("{}{:.2f} {:.2f} {}", i == 0 ? "" : " ", seen[i].pixel.x() + kPixelCenterPx,
                         seen[i].pixel.y() + kPixelCenterPx, seen[i].point + 1);
@@ -96,7 +96,9 @@ ExportReport write_colmap(const Result& result, const fs::path& folder, const Ex
 
   const fs::path model = folder / "sparse/0";
   make_folder(model);
-  write_file(model / "cameras.txt", "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n" + format_camera(result.camera()));
+  std::string cameras = "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n";
+  for (std::size_t k = 0; k < result.cameras().size(); ++k) cameras += format_camera(k + 1, result.cameras()[k].camera);
+  write_file(model / "cameras.txt", cameras);
   write_file(model / "images.txt", images);
   write_points(model / "points3D.txt", cloud, tracks);
   return {{"sparse/0", "images", "masks"},

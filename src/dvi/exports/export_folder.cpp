@@ -109,7 +109,7 @@ void copy_plain(const fs::path& from, const fs::path& to) {
 Drive open_recording(const Result& result, const RecordedInput& input) {
   if (bags::is_bag(input.path)) throw InputError(input.path, "is a bag", "export it as a bag: dvi export bag");
   datasets::ReadOptions read = input.read;
-  read.camera = result.camera_name();
+  read.camera = result.only_camera().name;
   Drive drive = datasets::read_drive(input.path, read);
   if (datasets::holds_many_images(drive.frames.front().file))
     throw InputError(drive.frames.front().file, "is a video, whose frames cannot be replaced",

@@ -17,17 +17,21 @@ namespace {
 
 // Returns the pose and the intrinsics of a frame. The pixel centers are at whole numbers, as in sources.json.
 nlohmann::json make_camera(const Result& result, const ResultFrame& frame) {
-  const Camera& c = result.camera();
+  const auto& [name, c] = result.only_camera();
   const SE3& pose = frame.world_from_camera;
   nlohmann::json rows = nlohmann::json::array();
   for (int r = 0; r < 3; ++r) rows.push_back({pose.R(r, 0), pose.R(r, 1), pose.R(r, 2), pose.t[r]});
   rows.push_back({0, 0, 0, 1});
-  return {{"camera", result.camera_name()}, {"time_s", static_cast<double>(frame.time_ns) / 1e9},
-          {"size", {c.width, c.height}},    {"K", {c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1}},
-          {"distortion", c.distortion},     {"world_from_camera", rows}};
+  return {{"camera", name},
+          {"time_s", static_cast<double>(frame.time_ns) / 1e9},
+          {"size", {c.width, c.height}},
+          {"K", {c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1}},
+          {"distortion", c.distortion},
+          {"world_from_camera", rows}};
 }
 
 ExportReport write_holes(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
+  result.only_camera();
   const bool in_pairs = options.layout == HoleLayout::pairs;
   const char* const frames_folder = in_pairs ? "pairs" : "frames";
   const char* const masks_folder = in_pairs ? "pairs" : "masks";

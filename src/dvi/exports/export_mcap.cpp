@@ -1,3 +1,7 @@
+#include <algorithm>
+#include <array>
+#include <numeric>
+
 #include <opencv2/core.hpp>
 
 #include "dvi/core/threads.h"
@@ -26,29 +30,65 @@ cv::Mat3b draw_overlay(const Result& result, std::size_t frame) {
   return picture;
 }
 
+// The channels of a camera.
+struct CameraChannels {
+  std::string frame_id;
+  std::uint16_t image = 0, kind = 0, info = 0;
+};
+
+// Adds the channels of each camera: /camera/image/compressed and so on, or /NAME/image/compressed if there are several.
+std::vector<CameraChannels> add_cameras(const Result& result, McapWriter& file) {
+  std::vector<CameraChannels> out;
+  for (const ResultCamera& camera : result.cameras()) {
+    const std::string name = result.cameras().size() == 1 ? "camera" : camera.name;
+    const auto channel = [&](const char* topic, const ros::MessageType& type) {
+      return file.add_channel("/" + name + topic, type.name, type.definition);
+    };
+    CameraChannels channels{name};
+    channels.image = channel("/image/compressed", ros::compressed_image_type());
+    channels.kind = channel("/kind/compressed", ros::compressed_image_type());
+    channels.info = channel("/camera_info", ros::camera_info_type());
+    out.push_back(channels);
+  }
+  return out;
+}
+
+// Returns the numbers of the frames in order of time.
+std::vector<std::size_t> sort_by_time(const std::vector<ResultFrame>& frames) {
+  std::vector<std::size_t> order(frames.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return frames[a].time_ns < frames[b].time_ns; });
+  return order;
+}
+
 void write_file_of(const Result& result, McapWriter& file, const std::vector<CloudPoint>& cloud, Progress& progress) {
+  const std::vector<CameraChannels> cameras = add_cameras(result, file);
   const auto channel = [&](const char* topic, const ros::MessageType& type) {
     return file.add_channel(topic, type.name, type.definition);
   };
-  const auto image = channel("/camera/image/compressed", ros::compressed_image_type());
-  const auto kind = channel("/camera/kind/compressed", ros::compressed_image_type());
-  const auto info = channel("/camera/camera_info", ros::camera_info_type());
   const auto map = channel("/map", ros::point_cloud_type());
   const auto path = channel("/path", ros::path_type());
   const auto tf = channel("/tf", ros::transform_type());
-  std::vector<ros::StampedMotion> poses;
-  for (const ResultFrame& frame : result.frames()) poses.push_back({frame.time_ns, frame.world_from_camera});
-  const std::int64_t begin = poses.empty() ? 0 : poses.front().time_ns;
+  const std::vector<ResultFrame>& frames = result.frames();
+  const std::vector<std::size_t> order = sort_by_time(frames);
+  std::vector<ros::StampedMotion> path_of_first;
+  for (const ResultFrame& frame : frames)
+    if (frame.camera == 0) path_of_first.push_back({frame.time_ns, frame.world_from_camera});
+  const std::int64_t begin = frames.empty() ? 0 : frames[order.front()].time_ns;
   file.write(map, begin, ros::point_cloud(begin, cloud));
-  file.write(path, begin, ros::path(poses));
+  file.write(path, begin, ros::path(path_of_first));
   make_and_use(
-      poses.size(), [&](std::size_t i) { return media::encode_png(draw_overlay(result, i)); },
+      order.size(), [&](std::size_t i) { return media::encode_png(draw_overlay(result, order[i])); },
       [&](std::size_t i, const std::string& overlay) {
-        const std::int64_t time = poses[i].time_ns;
-        file.write(tf, time, ros::transform(poses[i]));
-        file.write(info, time, ros::camera_info(time, result.camera()));
-        file.write(image, time, ros::compressed_image(time, "png", read_file(result.picture("frames", i))));
-        file.write(kind, time, ros::compressed_image(time, "png", overlay));
+        const ResultFrame& frame = frames[order[i]];
+        const CameraChannels& camera = cameras[frame.camera];
+        const std::int64_t time = frame.time_ns;
+        const ros::Header header{time, camera.frame_id};
+        file.write(tf, time, ros::transform({time, frame.world_from_camera}, camera.frame_id));
+        file.write(camera.info, time, ros::camera_info(header, result.camera(order[i])));
+        file.write(camera.image, time, ros::compressed_image(header, "png", read_file(result.picture("frames", order[i]))));
+        file.write(camera.kind, time, ros::compressed_image(header, "png", overlay));
         progress.advance();
       });
 }

@@ -43,34 +43,32 @@ void write_cloud(const fs::path& file, const std::vector<CloudPoint>& cloud) {
   media::write_ply(file, {points, colors});
 }
 
+// Returns the intrinsics. The pixel centers of nerfstudio are at (0.5, 0.5), as in COLMAP.
+nlohmann::json make_intrinsics(const Camera& c) {
+  return {{"w", c.width},          {"h", c.height},         {"fl_x", c.fx},          {"fl_y", c.fy},
+          {"cx", c.cx + 0.5},      {"cy", c.cy + 0.5},      {"k1", c.distortion[0]}, {"k2", c.distortion[1]},
+          {"p1", c.distortion[2]}, {"p2", c.distortion[3]}, {"k3", c.distortion[4]}};
+}
+
+// The intrinsics of several cameras are those of each frame.
 nlohmann::json make_transforms(const Result& result) {
-  const Camera& c = result.camera();
+  const bool has_one = result.cameras().size() == 1;
   nlohmann::json frames = nlohmann::json::array();
-  for (const ResultFrame& frame : result.frames())
+  for (const ResultFrame& frame : result.frames()) {
     frames.push_back({{"file_path", "images/" + frame.name + ".png"},
                       {"mask_path", "masks/" + frame.name + ".png"},
                       {"depth_file_path", "depth/" + frame.name + ".png"},
                       {"transform_matrix", to_opengl_pose(frame.world_from_camera)}});
-  // The pixel centers of nerfstudio are at (0.5, 0.5), as in COLMAP.
-  return {{"camera_model", "OPENCV"},
-          {"w", c.width},
-          {"h", c.height},
-          {"fl_x", c.fx},
-          {"fl_y", c.fy},
-          {"cx", c.cx + 0.5},
-          {"cy", c.cy + 0.5},
-          {"k1", c.distortion[0]},
-          {"k2", c.distortion[1]},
-          {"p1", c.distortion[2]},
-          {"p2", c.distortion[3]},
-          {"k3", c.distortion[4]},
-          {"frames", frames},
-          {"ply_file_path", "map.ply"}};
+    if (!has_one) frames.back().update(make_intrinsics(result.cameras()[frame.camera].camera));
+  }
+  nlohmann::json out{{"camera_model", "OPENCV"}, {"frames", frames}, {"ply_file_path", "map.ply"}};
+  if (has_one) out.update(make_intrinsics(result.cameras().front().camera));
+  return out;
 }
 
 ExportReport write_nerfstudio(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
   write_images_and_masks(result, folder, ".png", progress);
-  make_folder(folder / "depth");
+  make_folders_of_cameras(result, folder / "depth");
   parallel_for(result.frames().size(), [&](std::size_t i) {
     media::write_png(folder / "depth" / (result.frames()[i].name + ".png"), to_millimeters(result.depth(i)));
   });

@@ -47,7 +47,7 @@ struct SeenFrame {
         kind(result.kind(i)),
         confidence(result.confidence(i)),
         depth(result.depth(i)),
-        provenance(media::read_png_triples(result.picture("provenance", i), result.size())) {}
+        provenance(media::read_png_triples(result.picture("provenance", i), result.size(i))) {}
 
   // Returns the source frame of a pixel: the frame itself, or the one from which the pixel was copied.
   std::size_t source_at(cv::Point p, std::size_t own) const {
@@ -62,12 +62,13 @@ void add_frame(const Result& result, std::size_t number, const GroundRaster& gro
   constexpr double kMinDepthM = 0.5, kMaxDistanceM = 40, kMaxDepthError = 0.03;  // the latter relative to the depth
   const ResultFrame& frame = result.frames()[number];
   const SeenFrame seen(result, number);
-  const Camera& camera = result.camera();
+  const Camera& camera = result.camera(number);
   const SE3 camera_from_world = frame.world_from_camera.inverse();
   const Eigen::Vector3d& eye = frame.world_from_camera.t;
+  const std::int64_t end_ns = result.frames().back().time_ns;
   const auto age_of = [&](std::size_t source) {  // other drives and cameras: only the age of the copy is known
     const std::int64_t time = source < result.frames().size() ? result.frames()[source].time_ns : frame.time_ns;
-    return static_cast<float>(1e-9 * static_cast<double>(result.frames().back().time_ns - time));
+    return static_cast<float>(1e-9 * static_cast<double>(end_ns - time));
   };
   const auto bound = [&](double meters, int most) { return std::clamp(static_cast<int>(meters / ground.cell_m), 0, most); };
   const int top = bound(ground.north_m - eye.y() - kMaxDistanceM, ground.height.rows);

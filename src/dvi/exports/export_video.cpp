@@ -16,13 +16,13 @@ cv::Mat3b picture(const Result& result, std::size_t frame, bool beside) {
   if (datasets::holds_many_images(input))
     throw InputError(input, "has no image files to show beside the result", "use compare.mp4 of the result, which shows both");
   cv::Mat3b both;
-  cv::hconcat(media::read_image(input, result.size()), clean, both);
+  cv::hconcat(media::read_image(input, result.size(frame)), clean, both);
   return both;
 }
 
 ExportReport write_video(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
-  const int width = result.size().width * (options.beside ? 2 : 1);
-  media::VideoWriter video(folder / "video.mp4", {width, result.size().height}, options.video);
+  const Camera& camera = result.only_camera().camera;
+  media::VideoWriter video(folder / "video.mp4", {camera.width * (options.beside ? 2 : 1), camera.height}, options.video);
   make_and_use(
       result.frames().size(), [&](std::size_t i) { return picture(result, i, options.beside); },
       [&](std::size_t, const cv::Mat3b& frame) {

@@ -137,7 +137,7 @@ TEST(McapWriter, WritesASummaryWithCountsAndIndices) {
 }
 
 TEST(RosMessages, AlignEachNumberToItsSize) {
-  const std::string info = ros::camera_info(1'500'000'000, {640, 480, 500, 501, 320, 240, {}});
+  const std::string info = ros::camera_info({1'500'000'000, "camera"}, {640, 480, 500, 501, 320, 240, {}});
   std::int32_t seconds = 0;
   std::memcpy(&seconds, info.data() + 4, 4);
   EXPECT_EQ(seconds, 1);

@@ -1,5 +1,6 @@
 #include "dvi/exports/result.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <utility>
@@ -9,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
-#include "dvi/core/frame_name.h"
 #include "dvi/core/json_file.h"
 #include "dvi/core/text.h"
 #include "dvi/geometry/rigid.h"
@@ -38,32 +38,53 @@ void read_table(const fs::path& file, const Take& take) {
   }
 }
 
+// Returns the names of the cleaned cameras; none in results of earlier versions.
+std::vector<std::string> read_cameras(const fs::path& report) {
+  std::vector<std::string> names;
+  read_table(report, [&](const nlohmann::json& document) {
+    for (const nlohmann::json& name : document.value("cameras", nlohmann::json::array())) names.push_back(name);
+  });
+  for (const std::string& name : names)
+    if (name.empty() || name.find('/') != std::string::npos || name == "." || name == "..")
+      throw InputError(report, "has a camera '" + name + "', which is not a valid name of a folder", kRunAgain);
+  return names;
+}
+
 }  // namespace
 
 Result::Result(const fs::path& out, ResultSources from) : folder_(out), from_(std::move(from)) {
   if (!fs::is_directory(out)) throw InputError(out, "is not a folder", "give the OUT of a dvi run");
   if (!fs::exists(out / "sources.json") || !fs::exists(out / "report.json"))
     throw InputError(out, "is not a finished result of dvi run", kRunAgain);
-  if (const std::vector<std::string> cameras = list_cameras(list_frames(out)); cameras.size() > 1)
-    throw InputError(out, fmt::format("has several cameras: {}", fmt::join(cameras, ", ")),
-                     "export a result of one camera (dvi run --camera NAME)");
   if (!fs::exists(out / "map/poses.txt"))
     throw InputError(out, "has no poses and no map", "export a result of --method dvi or paper, since the others have none");
-  read_poses();
-  read_sources();
+  const std::vector<std::string> cameras = read_cameras(out / "report.json");
+  if (cameras.size() < 2)
+    read_poses("map", 0);
+  else
+    for (std::size_t k = 0; k < cameras.size(); ++k) read_poses(fs::path("map") / cameras[k], k);
+  read_sources(std::max<std::size_t>(1, cameras.size()));
   read_place();
 }
 
-void Result::read_poses() {
-  const std::vector<TextLine> poses = read_text_lines(folder_ / "map/poses.txt");
-  const std::vector<TextLine> times = read_text_lines(folder_ / "map/times.txt");
+const ResultCamera& Result::only_camera() const {
+  if (cameras_.size() == 1) return cameras_.front();
+  std::vector<std::string> names;
+  for (const ResultCamera& camera : cameras_) names.push_back(camera.name);
+  throw InputError(folder_, fmt::format("has several cameras ({}), and this format takes one", fmt::join(names, ", ")),
+                   "export a result of one camera (dvi run --camera NAME)");
+}
+
+void Result::read_poses(const fs::path& folder, std::size_t camera) {
+  const std::vector<TextLine> poses = read_text_lines(folder_ / folder / "poses.txt");
+  const std::vector<TextLine> times = read_text_lines(folder_ / folder / "times.txt");
   if (poses.size() != times.size())
-    throw InputError(folder_ / "map/times.txt", fmt::format("has {} lines, but poses.txt has {}", times.size(), poses.size()),
-                     kRunAgain);
+    throw InputError(folder_ / folder / "times.txt",
+                     fmt::format("has {} lines, but poses.txt has {}", times.size(), poses.size()), kRunAgain);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const std::optional<SE3> pose = to_rigid(poses[i].numbers<12>(0));
     if (!pose) poses[i].fail("is not a rigid motion", kRunAgain);
-    frames_.push_back({{}, {}, times[i].nanoseconds(0), *pose});
+    frames_.push_back({{}, camera, {}, times[i].nanoseconds(0), *pose});
   }
 }
 
@@ -74,32 +95,35 @@ void Result::read_place() {
   });
 }
 
-void Result::read_sources() {
+void Result::read_sources(std::size_t cameras) {
   const fs::path file = folder_ / "sources.json";
   read_table(file, [&](const nlohmann::json& table) {
     if (!table.contains("cameras"))
       throw InputError(file, "does not state the cameras: it was written by an earlier version of dvi", kRunAgain);
-    const nlohmann::json& camera = table.at("cameras").at(0);
-    camera_ = to_camera(camera);
-    camera_name_ = camera.at("camera").get<std::string>();
+    for (std::size_t k = 0; k < cameras; ++k) {
+      const nlohmann::json& camera = table.at("cameras").at(k);
+      cameras_.push_back({camera.at("camera").get<std::string>(), to_camera(camera)});
+    }
     for (std::size_t i = 0; i < frames_.size(); ++i) {  // the frames of the target are the first sources
       const nlohmann::json& source = table.at("sources").at(i);
-      frames_[i].name = source.at("frame").get<std::string>();
+      const auto name = source.at("frame").get<std::string>();
+      if (name.empty() || name.find('/') != std::string::npos || name == "." || name == "..")
+        throw InputError(file, "has a frame '" + name + "', which is not a valid name of a file", kRunAgain);
+      frames_[i].name = join_frame_name(cameras > 1 ? source.at("camera").get<std::string>() : "", name);
       frames_[i].input = source.at("file").get<std::string>();
     }
   });
-  for (const ResultFrame& frame : frames_)
-    if (frame.name.empty() || frame.name.find('/') != std::string::npos || frame.name == "." || frame.name == "..")
-      throw InputError(file, "has a frame '" + frame.name + "', which is not a valid name of a file", kRunAgain);
 }
 
-cv::Mat3b Result::image(std::size_t frame) const { return media::read_image(picture("frames", frame), size()); }
-cv::Mat1b Result::kind(std::size_t frame) const { return media::read_png_gray(picture("kind", frame), size()); }
-cv::Mat1b Result::confidence(std::size_t frame) const { return media::read_png_gray(picture("confidence", frame), size()); }
+cv::Mat3b Result::image(std::size_t frame) const { return media::read_image(picture("frames", frame), size(frame)); }
+cv::Mat1b Result::kind(std::size_t frame) const { return media::read_png_gray(picture("kind", frame), size(frame)); }
+cv::Mat1b Result::confidence(std::size_t frame) const {
+  return media::read_png_gray(picture("confidence", frame), size(frame));
+}
 
 cv::Mat1f Result::depth(std::size_t frame) const {
   cv::Mat1f meters;
-  media::read_png_depth(picture("depth", frame), size()).convertTo(meters, CV_32F, 1.0 / 256);
+  media::read_png_depth(picture("depth", frame), size(frame)).convertTo(meters, CV_32F, 1.0 / 256);
   return meters;
 }
 

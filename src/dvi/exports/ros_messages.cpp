@@ -51,7 +51,6 @@ class Cdr {
 };
 
 constexpr const char* kWorld = "world";
-constexpr const char* kCamera = "camera";
 
 const std::string kTime = "int32 sec\nuint32 nanosec\n";
 const std::string kHeaderFields = "builtin_interfaces/Time stamp\nstring frame_id\n";
@@ -118,13 +117,15 @@ MessageType transform_type() {
                       kTimePart})};
 }
 
-std::string compressed_image(std::int64_t time_ns, const std::string& format, const std::string& bytes) {
-  return Cdr().header(time_ns, kCamera).text(format).blob(bytes).bytes();
+std::string compressed_image(const Header& header, const std::string& format, const std::string& bytes) {
+  return Cdr().header(header.time_ns, header.frame_id).text(format).blob(bytes).bytes();
 }
 
-std::string camera_info(std::int64_t time_ns, const Camera& c) {
+std::string camera_info(const Header& header, const Camera& c) {
   Cdr out;
-  out.header(time_ns, kCamera).count(static_cast<std::size_t>(c.height)).count(static_cast<std::size_t>(c.width));
+  out.header(header.time_ns, header.frame_id)
+      .count(static_cast<std::size_t>(c.height))
+      .count(static_cast<std::size_t>(c.width));
   out.text("plumb_bob").count(c.distortion.size()).numbers(c.distortion);
   out.numbers(std::array{c.fx, 0., c.cx, 0., c.fy, c.cy, 0., 0., 1.});
   out.numbers(std::array{1., 0., 0., 0., 1., 0., 0., 0., 1.});
@@ -162,8 +163,8 @@ std::string path(const std::vector<StampedMotion>& poses) {
   return out.bytes();
 }
 
-std::string transform(const StampedMotion& pose) {
-  return Cdr().count(1).header(pose.time_ns, kWorld).text(kCamera).motion(pose.world_from_camera).bytes();
+std::string transform(const StampedMotion& pose, const std::string& frame_id) {
+  return Cdr().count(1).header(pose.time_ns, kWorld).text(frame_id).motion(pose.world_from_camera).bytes();
 }
 
 }  // namespace dvi::exports::ros

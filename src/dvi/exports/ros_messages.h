@@ -8,8 +8,8 @@
 #include "dvi/geometry/camera.h"
 #include "dvi/geometry/se3.h"
 
-/// ROS 2 messages as bytes (CDR, little endian). All are in the frame "world", except images and their camera, which are in
-/// "camera".
+/// ROS 2 messages as bytes (CDR, little endian). All are in the frame "world", except images and their camera, which are in the
+/// frame of that camera (`frame_id`).
 namespace dvi::exports::ros {
 
 /// A message type and its definition, including the definitions of its parts (ros2msg).
@@ -28,12 +28,18 @@ struct StampedMotion {
   SE3 world_from_camera;
 };
 
+/// The header of a message of a camera.
+struct Header {
+  std::int64_t time_ns = 0;
+  std::string frame_id;
+};
+
 /// Makes a sensor_msgs/msg/CompressedImage. `format` is png or jpeg; `bytes` is the file.
-std::string compressed_image(std::int64_t time_ns, const std::string& format, const std::string& bytes);
-std::string camera_info(std::int64_t time_ns, const Camera& camera);
+std::string compressed_image(const Header& header, const std::string& format, const std::string& bytes);
+std::string camera_info(const Header& header, const Camera& camera);
 /// Makes a point cloud with the fields x, y, z, rgb.
 std::string point_cloud(std::int64_t time_ns, const std::vector<CloudPoint>& cloud);
 std::string path(const std::vector<StampedMotion>& poses);
-std::string transform(const StampedMotion& pose);
+std::string transform(const StampedMotion& pose, const std::string& frame_id);
 
 }  // namespace dvi::exports::ros

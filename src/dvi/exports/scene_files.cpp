@@ -12,9 +12,14 @@ void copy_picture(const fs::path& from, const fs::path& to) {
   if (error) throw InputError(to, "cannot be written from " + from.string() + " (" + error.message() + ")", "free space");
 }
 
+void make_folders_of_cameras(const Result& result, const fs::path& folder) {
+  make_folder(folder);
+  for (const ResultFrame& frame : result.frames()) make_folder(folder / camera_of_frame(frame.name));
+}
+
 void write_images_and_masks(const Result& result, const fs::path& folder, const std::string& mask_ending, Progress& progress) {
-  make_folder(folder / "images");
-  make_folder(folder / "masks");
+  make_folders_of_cameras(result, folder / "images");
+  make_folders_of_cameras(result, folder / "masks");
   parallel_for(result.frames().size(), [&](std::size_t i) {
     const std::string& name = result.frames()[i].name;
     copy_picture(result.picture("frames", i), folder / "images" / (name + ".png"));
