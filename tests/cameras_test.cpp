@@ -159,6 +159,16 @@ TEST_F(Cameras, WithoutMasksTakeThoseOfTheFirst) {
     EXPECT_LT(cv::countNonZero(mask), static_cast<int>(mask.total()) / 2);
     EXPECT_EQ(cv::countNonZero(mask.col(mask.cols - 1)), 0) << "the first camera does not show this side, which is kept";
   }
+  int copies = 0, from_unknown = 0;
+  for (const char* camera : {"front", "right"})
+    for (const fs::path& file : list_files(folder / "out" / camera / "provenance", {".png"}))
+      for (const cv::Mat_<cv::Vec3w> provenance = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
+           const cv::Vec3w& from : provenance) {  // blue, green, red: 16 y, 16 x, number + 1
+        copies += from[2] > 4 ? 1 : 0;
+        from_unknown += from[2] > 4 && from[1] >= 16 * (kSize.width - 2) ? 1 : 0;
+      }
+  EXPECT_GT(copies, 100) << "from the second camera";
+  EXPECT_EQ(from_unknown, 0) << "this side may show traffic";
   EXPECT_EQ(dvi("audit out drive --quiet").code, 0);
 }
 

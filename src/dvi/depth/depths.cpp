@@ -88,13 +88,15 @@ DepthMap limit_sigma_to(const cv::Mat1b& mask, DepthMap depth) {
 
 Depths::Depths(const Views& views, const std::function<DepthMap(std::size_t)>& make) {
   const auto packed_depths = std::make_shared<PackedDepths>();
-  visibility = {views.size(),
-                [make, packed_depths, masks = views.masks, returns = views.returns, targets = views.targets()](std::size_t i) {
+  visibility = {views.size(), [make, packed_depths, masks = views.masks, unknown = views.unknown, returns = views.returns,
+                               targets = views.targets()](std::size_t i) {
                   const DepthMap depth = make(i);
                   const std::shared_ptr<const cv::Mat1b> mask = masks[i];
                   if (i < targets) packed_depths->put(i, depth, *mask);
-                  if (returns.empty()) return make_visibility_map(depth, *mask);
-                  return make_visibility_map(depth, cv::Mat1b(*mask | find_occluders(depth, *returns[i])));
+                  cv::Mat1b hidden = mask->clone();
+                  if (!unknown.empty() && !unknown[i]->empty()) hidden.setTo(255, *unknown[i]);
+                  if (!returns.empty()) hidden.setTo(255, find_occluders(depth, *returns[i]));
+                  return make_visibility_map(depth, hidden);
                 }};
   // The visibility map of a target is needed, too: it is made first, from the same depth map.
   make_map = [make, packed_depths, visibility = visibility, masks = views.masks](std::size_t i) {

@@ -51,7 +51,10 @@ struct Views {
   Lazy<cv::Mat3b> images;                    ///< one per view
   Lazy<cv::Mat1b> masks;                     ///< one per view; 255 = remove
   Lazy<std::vector<ImageReturn>> returns{};  ///< one per view: the returns of the scan taken with it; empty: unknown
-  int cleaned_sequences = 1;                 ///< the first sequences, whose views are filled
+  /// One per view: 255 where its objects are unknown, so that nothing is copied from there; an empty image if all are known.
+  /// Empty: all are known.
+  Lazy<cv::Mat1b> unknown{};
+  int cleaned_sequences = 1;  ///< the first sequences, whose views are filled
 
   std::size_t size() const { return views.size(); }
   const View& operator[](std::size_t i) const { return views[i]; }

@@ -15,11 +15,19 @@ namespace {
 void attach_images(Views& views, const Recordings& drives, const objects::Masks& masks_of_cameras) {
   const auto of = [list = views.views](std::size_t i) { return std::pair(list[i].sequence, list[i].frame); };
   std::vector<Lazy<cv::Mat3b>> images;
-  std::vector<Lazy<cv::Mat1b>> masks;
+  std::vector<Lazy<cv::Mat1b>> masks, unknown;
   for (const Recording& open : drives) images.push_back(open.drive.images);
-  for (const objects::CameraMasks& camera : masks_of_cameras) masks.push_back(camera.images);
+  for (const objects::CameraMasks& camera : masks_of_cameras) {
+    masks.push_back(camera.images);
+    unknown.push_back(camera.unknown);
+  }
   views.images = Lazy<cv::Mat3b>::through(views.size(), [=](std::size_t i) { return images[of(i).first][of(i).second]; });
   views.masks = Lazy<cv::Mat1b>::through(views.size(), [=](std::size_t i) { return masks[of(i).first][of(i).second]; });
+  if (std::all_of(unknown.begin(), unknown.end(), [](const Lazy<cv::Mat1b>& camera) { return camera.empty(); })) return;
+  views.unknown = Lazy<cv::Mat1b>::through(views.size(), [=](std::size_t i) {
+    const auto [sequence, frame] = of(i);
+    return unknown[sequence].empty() ? std::make_shared<const cv::Mat1b>() : unknown[sequence][frame];
+  });
 }
 
 void attach_returns(Views& views, const Inputs& inputs) {

@@ -166,7 +166,7 @@ Recording open_camera(const Recordings& drives, const CameraToOpen& asked, const
   const bool has_own_labels = has_given_labels || (labeled && drive.labeled_around && (choice.is_source || names_no_path));
   if (open.masks_from.contains(MaskSource::labels) && !has_own_labels) {
     share_boxes(own.drive, drive);
-    open.labeled_in_part = !drive.labeled_around && !is_cleaned;
+    open.labeled_in_part = !drive.labeled_around;
   }
   if (open.masks_from == MaskSources{MaskSource::files})
     if (const auto bare = labels::describe_frames_without_mask(drive)) drive.warnings.push_back(*bare);

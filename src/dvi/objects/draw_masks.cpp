@@ -85,6 +85,17 @@ Lazy<cv::Mat1b> draw_scan_objects(const CameraRef& ref, const CameraObjects& fou
   return has_labels(*stationary) ? unite(images, draw_object_masks(own, stationary, options)) : images;
 }
 
+// Draws the parts of a camera's images that the images of the drive's own camera do not show.
+Lazy<cv::Mat1b> draw_outside(const Drive& own, const CameraEvidence& camera) {
+  const cv::Size size(own.camera.width, own.camera.height);
+  const Lazy<cv::Mat1b> nothing(own.frames.size(), [size](std::size_t) { return cv::Mat1b(size, uchar{0}); });
+  return reproject_masks(own, nothing, camera.drive, camera.world_from_lidar);
+}
+
+Lazy<cv::Mat1b> subtract(const Lazy<cv::Mat1b>& masks, const Lazy<cv::Mat1b>& others) {
+  return {masks.size(), [masks, others](std::size_t i) { return cv::Mat1b(*masks[i] & ~*others[i]); }};
+}
+
 Lazy<cv::Mat1b> draw_camera(const CameraRef& ref, const Objects& objects, const RemovalOptions& options, Progress& progress) {
   const CameraEvidence& own = ref.camera();
   std::vector<Lazy<cv::Mat1b>> parts;
@@ -95,20 +106,10 @@ Lazy<cv::Mat1b> draw_camera(const CameraRef& ref, const Objects& objects, const 
   for (std::size_t i = 1; i < parts.size(); ++i) images = unite(images, parts[i]);
   if (own.labeled_in_part) {
     const std::size_t first = *own.rig_of;
-    images = unite(images, draw_unlabeled(ref.evidence[first], *objects[first].labels, own, options));
+    const Lazy<cv::Mat1b> unlabeled = draw_unlabeled(ref.evidence[first], *objects[first].labels, own, options);
+    images = unite(images, own.is_cleaned ? subtract(unlabeled, draw_outside(ref.evidence[first].drive, own)) : unlabeled);
   }
   return images;
-}
-
-// Draws the parts of a camera's images that the images of the drive's own camera do not show.
-Lazy<cv::Mat1b> draw_outside(const Drive& own, const CameraEvidence& camera) {
-  const cv::Size size(own.camera.width, own.camera.height);
-  const Lazy<cv::Mat1b> nothing(own.frames.size(), [size](std::size_t) { return cv::Mat1b(size, uchar{0}); });
-  return reproject_masks(own, nothing, camera.drive, camera.world_from_lidar);
-}
-
-Lazy<cv::Mat1b> subtract(const Lazy<cv::Mat1b>& masks, const Lazy<cv::Mat1b>& others) {
-  return {masks.size(), [masks, others](std::size_t i) { return cv::Mat1b(*masks[i] & ~*others[i]); }};
 }
 
 // Returns the removed ones of a drive's labels, as they are given.
@@ -143,17 +144,18 @@ Masks draw_masks(const Evidence& evidence, const Objects& objects, const Removal
   Masks masks;
   for (std::size_t i = 0; i < evidence.size(); ++i) {
     const CameraEvidence& camera = evidence[i];
-    Lazy<cv::Mat1b> images;
+    Lazy<cv::Mat1b> images, unknown;
+    if (camera.is_cleaned && (camera.labeled_in_part || camera.has(MaskSource::reprojected)))
+      unknown = draw_outside(evidence[*camera.rig_of].drive, camera);
     if (camera.sources != MaskSources{MaskSource::reprojected}) images = draw_camera({evidence, i}, objects, options, progress);
     if (camera.has(MaskSource::reprojected)) {
       const std::size_t own = *camera.rig_of;
-      const Drive& drive = evidence[own].drive;
-      Lazy<cv::Mat1b> reprojected = reproject_masks(drive, masks[own].images, camera.drive, camera.world_from_lidar);
-      // Surfaces outside of the other image are not copied from, but they are not removed either.
-      if (camera.is_cleaned) reprojected = subtract(reprojected, draw_outside(drive, camera));
+      Lazy<cv::Mat1b> reprojected =
+          reproject_masks(evidence[own].drive, masks[own].images, camera.drive, camera.world_from_lidar);
+      if (!unknown.empty()) reprojected = subtract(reprojected, unknown);
       images = images.empty() ? reprojected : unite(images, reprojected);
     }
-    masks.push_back({images, objects[i]});
+    masks.push_back({images, objects[i], unknown});
   }
   return masks;
 }

@@ -12,6 +12,9 @@ namespace dvi::objects {
 struct CameraMasks {
   Lazy<cv::Mat1b> images;   ///< per frame of the drive; 255 = remove
   CameraObjects objects{};  ///< the removed objects
+  /// Per frame of a cleaned camera: 255 where its objects are unknown, which is neither removed nor copied from; empty: all are
+  /// known. Other cameras have these pixels in `images`.
+  Lazy<cv::Mat1b> unknown{};
 };
 
 /// Masks per camera of the evidence.
