@@ -39,7 +39,8 @@ Frame to_frame(const std::string& name, std::size_t number, const harmonize::Fil
   filled.color.convertTo(color, CV_8U);
   cv::Mat depth = filled.depth.clone();
   depth.setTo(depth::DepthMap::kUnknown, filled.depth >= depth::DepthMap::kInfinity);
-  return {camera_of_frame(name), image_of_frame(name), number, to_rgb(color), filled.mask, filled.kind, filled.provenance, filled.confidence, depth};
+  return {camera_of_frame(name), image_of_frame(name), number, to_rgb(color), filled.mask, filled.kind,
+          filled.provenance,     filled.confidence,    depth};
 }
 
 }  // namespace
@@ -82,9 +83,7 @@ void Run::push(std::size_t number, const harmonize::FilledFrame& filled) {
   auto frame = std::make_shared<const Frame>(to_frame(names_[number], number, filled));
   std::unique_lock lock(task_->mutex);
   // A frame that is next always fits: others may wait for it.
-  task_->changed.wait(lock, [&] {
-    return task_->canceled || drained_ || number == order_[next_] || made_.size() < max_made_;
-  });
+  task_->changed.wait(lock, [&] { return task_->canceled || drained_ || number == order_[next_] || made_.size() < max_made_; });
   if (task_->canceled) throw Interrupted();
   if (!drained_) made_[number] = std::move(frame);
   task_->changed.notify_all();
@@ -109,9 +108,7 @@ Frame Run::read(std::size_t number) const {
 
 std::shared_ptr<const Frame> Run::next() {
   if (!task_) return nullptr;
-  const auto ready = [this] {
-    return next_ < order_.size() && (!missing_[order_[next_]] || made_.contains(order_[next_]));
-  };
+  const auto ready = [this] { return next_ < order_.size() && (!missing_[order_[next_]] || made_.contains(order_[next_])); };
   task_->wait(progress_, ready);
   std::shared_ptr<const Frame> frame;
   bool read_it = false;

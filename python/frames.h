@@ -54,7 +54,7 @@ class Run {
   std::map<std::size_t, std::shared_ptr<const Frame>> made_;
   std::size_t next_ = 0;      // position in order_
   std::size_t max_made_ = 1;  // frames that wait in made_
-  bool drained_ = false;  // no further frames are requested
+  bool drained_ = false;      // no further frames are requested
   std::unique_ptr<Task> task_;
 };
 

@@ -12,8 +12,8 @@
 
 #include "dvi/commands/check.h"
 #include "dvi/commands/evaluate_result.h"
-#include "dvi/commands/import_fill.h"
 #include "dvi/commands/find_recorded_input.h"
+#include "dvi/commands/import_fill.h"
 #include "dvi/commands/label_scans.h"
 #include "dvi/commands/make_masks.h"
 #include "dvi/core/error.h"
@@ -158,7 +158,8 @@ void bind_commands(py::module_& m) {
           return run_task(threads, progress, [&](Progress& p) { return dvi::commands::make_masks(job, p); });
         });
   m.def("evaluate", [](const std::string& out, const std::string& truth, const std::string& ignore, const std::string& masks,
-                       const std::string& labels, const std::string& points, const Strings& external, int threads, const py::object& progress) {
+                       const std::string& labels, const std::string& points, const Strings& external, int threads,
+                       const py::object& progress) {
     const metrics::EvaluationFolders folders{out, truth, ignore, metrics::parse_external(external), masks};
     return run_task(threads, progress,
                     [&](Progress& p) { return json_text(dvi::commands::evaluate_result(folders, {labels, points}, p)); });
@@ -173,7 +174,8 @@ void bind_commands(py::module_& m) {
     const exports::ExportFormat& to = exports::find_export_format(format);
     return run_task(threads, progress, [&](Progress& p) {
       return exports::to_json(
-          exports::export_result({out, folder, {dvi::commands::label_scans, dvi::commands::find_recorded_input}}, to, chosen, p),
+          exports::export_result({out, folder, {dvi::commands::label_scans, dvi::commands::find_recorded_input}}, to, chosen,
+                                 p),
           to.name);
     });
   });

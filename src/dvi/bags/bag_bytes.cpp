@@ -185,6 +185,10 @@ std::string unpack(std::string_view compression, std::string_view bytes, std::ui
   return out;
 }
 
+std::string with_size(std::string_view bytes) {
+  return to_bytes(static_cast<std::uint32_t>(bytes.size())) + std::string(bytes);
+}
+
 std::string pack(std::string_view compression, std::string_view bytes, std::string_view like) {
   if (compression == "lz4") return pack_lz4(bytes, like);
   if (compression == "zstd") return pack_zstd(bytes);

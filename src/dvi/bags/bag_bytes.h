@@ -36,6 +36,15 @@ class BagFile {
   std::uint64_t size_;
 };
 
+/// Returns the bytes of a number, little-endian.
+template <class T>
+std::string to_bytes(T value) {
+  return {reinterpret_cast<const char*>(&value), sizeof value};
+}
+
+/// Returns bytes after their size as 32-bit number, as ByteCursor::take_sized() reads them.
+std::string with_size(std::string_view bytes);
+
 /// Reads little-endian numbers and sized data from the front of bytes. Throws std::out_of_range if they are truncated.
 class ByteCursor {
  public:

@@ -14,17 +14,8 @@
 namespace dvi::bags {
 namespace {
 
-template <class T>
-std::string to_bytes(T value) {
-  return {reinterpret_cast<const char*>(&value), sizeof value};
-}
-
 std::string make_record(std::uint8_t opcode, const std::string& content) {
   return to_bytes(opcode) + to_bytes(std::uint64_t{content.size()}) + content;
-}
-
-std::string with_size(std::string_view bytes) {
-  return to_bytes(static_cast<std::uint32_t>(bytes.size())) + std::string(bytes);
 }
 
 // The checksum of the data section. Writers begin it at the file, after the magic, or after the header, so that all three are

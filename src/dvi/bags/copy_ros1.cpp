@@ -10,11 +10,6 @@
 namespace dvi::bags {
 namespace {
 
-std::string to_sized(std::string_view bytes) {
-  const auto size = static_cast<std::uint32_t>(bytes.size());
-  return std::string(reinterpret_cast<const char*>(&size), sizeof size) + std::string(bytes);
-}
-
 class Ros1Copy {
  public:
   Ros1Copy(const BagFile& from, const fs::path& to, const ReplacedMessages& replaced)
@@ -51,7 +46,7 @@ class Ros1Copy {
   }
 
   void keep(const Ros1Record& record) { copy_.keep(record.at, record.end() - record.at); }
-  void write(const std::string& head, const std::string& data) { copy_.replace({}, to_sized(head) + to_sized(data)); }
+  void write(const std::string& head, const std::string& data) { copy_.replace({}, with_size(head) + with_size(data)); }
 
   void copy_chunk(const Ros1Record& record) {
     moved_[record.at] = copy_.size();
@@ -75,8 +70,8 @@ class Ros1Copy {
       offsets_[at] = static_cast<std::uint32_t>(out.size());
       const std::string_view head = cursor.take_sized<std::uint32_t>(), data = cursor.take_sized<std::uint32_t>();
       const auto number = numbers.find(at);
-      out += to_sized(head);
-      out += to_sized(number == numbers.end() ? std::string(data) : replaced_.replace(number->second, data));
+      out += with_size(head);
+      out += with_size(number == numbers.end() ? std::string(data) : replaced_.replace(number->second, data));
     }
     return out;
   }
@@ -89,7 +84,7 @@ class Ros1Copy {
       list += cursor.take(8);  // time
       const auto offset = offsets_.find(cursor.take<std::uint32_t>());
       if (offset == offsets_.end()) from_.fail(record.at, "the index of a chunk does not refer to a record");
-      list.append(reinterpret_cast<const char*>(&offset->second), sizeof offset->second);
+      list += to_bytes(offset->second);
     }
     write(record.head, list);
   }

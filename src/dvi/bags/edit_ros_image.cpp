@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "dvi/bags/bag_bytes.h"
 #include "dvi/bags/ros_image.h"
 #include "dvi/core/error.h"
 
@@ -32,8 +33,7 @@ const WritableEncoding& find_writable(const std::string& encoding) {
 
 // Returns the length of an array as in CDR or ROS 1.
 std::string make_length(std::size_t size, bool is_big_endian) {
-  const auto count = static_cast<std::uint32_t>(size);
-  std::string out(reinterpret_cast<const char*>(&count), sizeof count);
+  std::string out = to_bytes(static_cast<std::uint32_t>(size));
   if (is_big_endian) std::reverse(out.begin(), out.end());
   return out;
 }

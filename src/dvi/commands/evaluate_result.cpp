@@ -32,7 +32,8 @@ job::ReadChoice choose_labels(job::ReadChoice choice, const fs::path& labels) {
   const std::vector<job::MasksFrom> given = choice.masks;
   using Kind = job::MasksFrom::Kind;
   const auto has_no_labels = [&](const job::MasksFrom& from) {
-    const bool has_masks = from.kind == Kind::path && fs::exists(from.path) && !labels::holds_labels(from.path, choice.camera);
+    const bool has_masks =
+        from.kind == Kind::path && fs::exists(from.path) && !labels::holds_labels(from.path, job::first_camera(choice.camera));
     return from.kind == Kind::found || from.kind == Kind::none || has_masks;
   };
   if (!labels.empty())

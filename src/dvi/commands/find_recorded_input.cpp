@@ -10,7 +10,7 @@ exports::RecordedInput find_recorded_input(const fs::path& out) {
     throw InputError(out, "is not a finished result of dvi run", "give the OUT of a dvi run that has ended");
   job::Job job;
   job.table().load_toml(out / "dvi.toml");
-  return {job.target, {.camera = job.read.camera, .topics = job.read.topics}};
+  return {job.target, {.topics = job.read.topics}};
 }
 
 }  // namespace dvi::commands

@@ -9,6 +9,7 @@
 
 #include "dvi/bags/bag.h"
 #include "dvi/core/error.h"
+#include "dvi/core/path_inside.h"
 #include "dvi/core/threads.h"
 #include "dvi/exports/exporter.h"
 #include "dvi/exports/input_place.h"

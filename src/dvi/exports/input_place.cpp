@@ -1,8 +1,7 @@
 #include "dvi/exports/input_place.h"
 
-#include <algorithm>
-
 #include "dvi/core/error.h"
+#include "dvi/core/path_inside.h"
 
 namespace dvi::exports {
 
@@ -11,11 +10,6 @@ RecordedInput find_input(const Result& result, const ExportOptions& options) {
   if (!options.input.empty()) input.path = options.input;
   input.path = (fs::absolute(input.path).lexically_normal() / "").parent_path();
   return input;
-}
-
-bool is_inside(const fs::path& path, const fs::path& folder) {
-  const fs::path inner = fs::weakly_canonical(path), outer = fs::weakly_canonical(folder);
-  return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
 }
 
 void require_outside(const fs::path& place, const fs::path& recording) {

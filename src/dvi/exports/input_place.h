@@ -11,9 +11,6 @@ inline constexpr const char* kSameRecording =
 /// Returns the recording of a result, or the one that the user names instead. Throws InputError if it does not exist.
 RecordedInput find_input(const Result& result, const ExportOptions& options);
 
-/// Returns whether a path is a folder or in it, after links were followed.
-bool is_inside(const fs::path& path, const fs::path& folder);
-
 /// Throws InputError if the place of an export is in the recording.
 void require_outside(const fs::path& place, const fs::path& recording);
 

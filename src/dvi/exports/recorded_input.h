@@ -10,7 +10,7 @@ namespace dvi::exports {
 /// The recording from which a result was made.
 struct RecordedInput {
   fs::path path;
-  datasets::ReadOptions read;  ///< the camera and topics of the run
+  datasets::ReadOptions read;  ///< the topics of the run; the camera is that of the result
 };
 
 /// Finds the recording of a finished result of `dvi run` (commands::find_recorded_input()).

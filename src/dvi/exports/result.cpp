@@ -38,15 +38,19 @@ void read_table(const fs::path& file, const Take& take) {
   }
 }
 
+// Throws InputError about a table unless a name in it can be the name of a file.
+void require_file_name(const fs::path& table, const char* what, const std::string& name) {
+  if (name.empty() || name.find('/') != std::string::npos || name == "." || name == "..")
+    throw InputError(table, fmt::format("has a {} '{}', which is not a valid name of a file", what, name), kRunAgain);
+}
+
 // Returns the names of the cleaned cameras; none in results of earlier versions.
 std::vector<std::string> read_cameras(const fs::path& report) {
   std::vector<std::string> names;
   read_table(report, [&](const nlohmann::json& document) {
     for (const nlohmann::json& name : document.value("cameras", nlohmann::json::array())) names.push_back(name);
   });
-  for (const std::string& name : names)
-    if (name.empty() || name.find('/') != std::string::npos || name == "." || name == "..")
-      throw InputError(report, "has a camera '" + name + "', which is not a valid name of a folder", kRunAgain);
+  for (const std::string& name : names) require_file_name(report, "camera", name);
   return names;
 }
 
@@ -107,8 +111,7 @@ void Result::read_sources(std::size_t cameras) {
     for (std::size_t i = 0; i < frames_.size(); ++i) {  // the frames of the target are the first sources
       const nlohmann::json& source = table.at("sources").at(i);
       const auto name = source.at("frame").get<std::string>();
-      if (name.empty() || name.find('/') != std::string::npos || name == "." || name == "..")
-        throw InputError(file, "has a frame '" + name + "', which is not a valid name of a file", kRunAgain);
+      require_file_name(file, "frame", name);
       frames_[i].name = join_frame_name(cameras > 1 ? source.at("camera").get<std::string>() : "", name);
       frames_[i].input = source.at("file").get<std::string>();
     }

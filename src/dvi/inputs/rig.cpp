@@ -174,11 +174,11 @@ Recording open_camera(const Recordings& drives, const CameraToOpen& asked, const
   return open;
 }
 
+/// Throws UsageError unless the drive has all cameras of a list.
 void require_cameras(const std::string& cameras, const Drive& drive) {
-  if (!job::has_other_cameras(cameras)) return;
+  if (!job::has_other_cameras(cameras) || job::is_all_cameras(cameras)) return;
   for (const std::string& name : split_at_commas(cameras))
-    if (!name.empty() && cameras != "all" &&
-        std::find(drive.camera_names.begin(), drive.camera_names.end(), name) == drive.camera_names.end())
+    if (!name.empty() && std::find(drive.camera_names.begin(), drive.camera_names.end(), name) == drive.camera_names.end())
       throw UsageError(fmt::format("--camera {}: the drive has {}", name, fmt::join(drive.camera_names, ", ")));
 }
 
@@ -187,7 +187,7 @@ void leave_gray_cameras(const std::string& cameras, Recordings& drives, Progress
   for (Recording& open : drives) {
     if (!open.is_cleaned || open.gray == drives.front().gray) continue;
     const std::string& name = open.drive.camera_name;
-    if (cameras != "all")
+    if (!job::is_all_cameras(cameras))
       throw UsageError(fmt::format(
           "--camera {}: cameras with and without colors are cleaned in runs of their own, such as --camera {}", cameras, name));
     open.is_cleaned = false;
@@ -229,7 +229,7 @@ Recordings add_other_cameras(Recordings drives, const job::Job& job, Progress& p
         for (const std::string& warning : open.drive.warnings) progress.warn(name_of(open) + ": " + warning);
         drives.push_back(std::move(open));
       } catch (const InputError& e) {
-        if (is_cleaned && job.read.camera != "all") throw;
+        if (is_cleaned && !job::is_all_cameras(job.read.camera)) throw;
         progress.warn(
             fmt::format("camera {} is {}: {}", camera, is_cleaned ? "not cleaned" : "not used as a source", e.what()));
       }

@@ -151,8 +151,6 @@ std::string effective_toml(Job job) {
 
 namespace {
 
-constexpr const char* kAllCameras = "all";
-
 std::vector<std::string> split_cameras(const std::string& cameras) {
   std::vector<std::string> names = split_at_commas(cameras);
   std::erase(names, "");
@@ -163,10 +161,12 @@ std::vector<std::string> split_cameras(const std::string& cameras) {
 
 std::string first_camera(const std::string& cameras) {
   const std::vector<std::string> names = split_cameras(cameras);
-  return names.empty() || names.front() == kAllCameras ? "" : names.front();
+  return names.empty() || is_all_cameras(names.front()) ? "" : names.front();
 }
 
-bool has_other_cameras(const std::string& cameras) { return cameras == kAllCameras || split_cameras(cameras).size() > 1; }
+bool is_all_cameras(const std::string& cameras) { return cameras == "all"; }
+
+bool has_other_cameras(const std::string& cameras) { return is_all_cameras(cameras) || split_cameras(cameras).size() > 1; }
 
 void require_one_camera(const std::string& cameras, const std::string& user) {
   if (has_other_cameras(cameras))
@@ -175,7 +175,7 @@ void require_one_camera(const std::string& cameras, const std::string& user) {
 
 bool is_listed(const std::string& camera, const std::string& cameras) {
   const std::vector<std::string> names = split_cameras(cameras);
-  return cameras == kAllCameras || std::find(names.begin(), names.end(), camera) != names.end();
+  return is_all_cameras(cameras) || std::find(names.begin(), names.end(), camera) != names.end();
 }
 
 FrameRange parse_frames(const std::string& text) {

@@ -89,6 +89,9 @@ std::string effective_toml(Job job);
 /// Returns the first camera of a list (ReadChoice::camera), which the other cameras refer to; empty: the drive's first.
 std::string first_camera(const std::string& cameras);
 
+/// Returns whether a list of cameras is `all`, which leaves out cameras that cannot be cleaned with the others.
+bool is_all_cameras(const std::string& cameras);
+
 /// Returns whether a list of cameras has another one than the first.
 bool has_other_cameras(const std::string& cameras);
 

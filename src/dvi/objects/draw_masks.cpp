@@ -96,6 +96,7 @@ Lazy<cv::Mat1b> subtract(const Lazy<cv::Mat1b>& masks, const Lazy<cv::Mat1b>& ot
   return {masks.size(), [masks, others](std::size_t i) { return cv::Mat1b(*masks[i] & ~*others[i]); }};
 }
 
+// Draws the masks of a camera's own sources.
 Lazy<cv::Mat1b> draw_camera(const CameraRef& ref, const Objects& objects, const RemovalOptions& options, Progress& progress) {
   const CameraEvidence& own = ref.camera();
   std::vector<Lazy<cv::Mat1b>> parts;
@@ -104,11 +105,6 @@ Lazy<cv::Mat1b> draw_camera(const CameraRef& ref, const Objects& objects, const 
     parts.push_back(draw_scan_objects(ref, objects[ref.index], options, progress));
   Lazy<cv::Mat1b> images = parts.front();
   for (std::size_t i = 1; i < parts.size(); ++i) images = unite(images, parts[i]);
-  if (own.labeled_in_part) {
-    const std::size_t first = *own.rig_of;
-    const Lazy<cv::Mat1b> unlabeled = draw_unlabeled(ref.evidence[first], *objects[first].labels, own, options);
-    images = unite(images, own.is_cleaned ? subtract(unlabeled, draw_outside(ref.evidence[first].drive, own)) : unlabeled);
-  }
   return images;
 }
 
@@ -145,15 +141,20 @@ Masks draw_masks(const Evidence& evidence, const Objects& objects, const Removal
   for (std::size_t i = 0; i < evidence.size(); ++i) {
     const CameraEvidence& camera = evidence[i];
     Lazy<cv::Mat1b> images, unknown;
+    if (camera.sources != MaskSources{MaskSource::reprojected}) images = draw_camera({evidence, i}, objects, options, progress);
     if (camera.is_cleaned && (camera.labeled_in_part || camera.has(MaskSource::reprojected)))
       unknown = draw_outside(evidence[*camera.rig_of].drive, camera);
-    if (camera.sources != MaskSources{MaskSource::reprojected}) images = draw_camera({evidence, i}, objects, options, progress);
-    if (camera.has(MaskSource::reprojected)) {
-      const std::size_t own = *camera.rig_of;
-      Lazy<cv::Mat1b> reprojected =
-          reproject_masks(evidence[own].drive, masks[own].images, camera.drive, camera.world_from_lidar);
+    const auto add_reprojected = [&](Lazy<cv::Mat1b> reprojected) {
       if (!unknown.empty()) reprojected = subtract(reprojected, unknown);
       images = images.empty() ? reprojected : unite(images, reprojected);
+    };
+    if (camera.labeled_in_part) {
+      const std::size_t own = *camera.rig_of;
+      add_reprojected(draw_unlabeled(evidence[own], *objects[own].labels, camera, options));
+    }
+    if (camera.has(MaskSource::reprojected)) {
+      const std::size_t own = *camera.rig_of;
+      add_reprojected(reproject_masks(evidence[own].drive, masks[own].images, camera.drive, camera.world_from_lidar));
     }
     masks.push_back({images, objects[i], unknown});
   }

@@ -102,7 +102,7 @@ class ReportWriter {
     if (listed.is_object() && listed.contains("sources") &&
         std::all_of(listed["sources"].begin(), listed["sources"].end(), is_source))
       list_ = listed.at("sources");
-    while (own_ < list_.size() && is_of_target(list_[own_])) ++own_;
+    own_ = count_own_sources();
     read_objects();
     if (fs::exists(out_ / "map/above.json")) above_ = read_document(out_, "map/above.json", problems_);
   }
@@ -157,13 +157,16 @@ class ReportWriter {
     return frame;
   }
 
-  /// Whether a source is a frame of the result, if the frames before it are.
-  bool is_of_target(const json& source) const {
-    const std::vector<std::string> cameras = list_cameras(names_);
-    const std::string camera = source.value("camera", "");
-    const bool is_cleaned =
-        camera == list_[0].value("camera", "") || std::find(cameras.begin(), cameras.end(), camera) != cameras.end();
-    return source.value("drive", "") == list_[0].value("drive", "") && is_cleaned;
+  /// Counts the first sources, which are the frames of the cleaned cameras.
+  std::size_t count_own_sources() const {
+    if (list_.empty()) return 0;
+    std::vector<std::string> cameras = list_cameras(names_);
+    cameras.push_back(list_[0].value("camera", ""));
+    const auto is_own = [&](const json& source) {
+      return source.value("drive", "") == list_[0].value("drive", "") &&
+             std::find(cameras.begin(), cameras.end(), source.value("camera", "")) != cameras.end();
+    };
+    return static_cast<std::size_t>(std::find_if_not(list_.begin(), list_.end(), is_own) - list_.begin());
   }
   bool is_frame(const json& source, const std::string& name) const {
     const std::string camera = camera_of_frame(name);

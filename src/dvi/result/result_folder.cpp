@@ -13,6 +13,7 @@
 #include "dvi/core/frame_name.h"
 #include "dvi/core/json_optional.h"
 #include "dvi/core/json_text.h"
+#include "dvi/core/path_inside.h"
 #include "dvi/core/threads.h"
 #include "dvi/core/version.h"
 #include "dvi/inputs/collect_evidence.h"
@@ -58,9 +59,7 @@ std::vector<fs::path> list_inputs(const job::Job& job) {
 }
 
 void require_apart_from(const fs::path& input, const fs::path& out) {
-  const fs::path a = fs::weakly_canonical(fs::absolute(out)), b = fs::weakly_canonical(fs::absolute(input));
-  const auto [in_a, in_b] = std::mismatch(a.begin(), a.end(), b.begin(), b.end());
-  if (in_a == a.end() || in_b == b.end())
+  if (is_inside(input, out) || is_inside(out, input))
     throw InputError(out, fmt::format("is, contains, or is inside of an input of the run ({})", input.string()),
                      "choose another folder");
 }

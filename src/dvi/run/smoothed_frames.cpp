@@ -38,9 +38,8 @@ std::vector<ItemInProgress> list_items(const std::vector<std::size_t>& targets, 
   if (smooth)
     for (const std::size_t view : targets)
       for (const std::size_t neighbor : list_neighbors(views, view)) needed.insert(neighbor);
-  std::vector<std::size_t> order(needed.begin(), needed.end());
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return views[a].time_ns < views[b].time_ns; });
+  std::vector<std::size_t> order = views.targets_in_time();
+  std::erase_if(order, [&](std::size_t view) { return !needed.contains(view); });
   std::map<std::size_t, std::size_t> item_of;
   for (std::size_t i = 0; i < order.size(); ++i) item_of[order[i]] = i;
   std::vector<ItemInProgress> items;

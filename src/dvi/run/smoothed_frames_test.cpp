@@ -98,6 +98,7 @@ TEST(SmoothedFrames, WithoutSmoothingNoNeighborsAreFilled) {
 
 TEST(SmoothedFrames, CamerasAreFilledInTurnAndSmoothedApart) {
   Views all = make_views(3);
+  all.cleaned_sequences = 2;
   for (std::size_t i = 0; i < 3; ++i)
     all.views.push_back({.sequence = 1, .frame = i, .time_ns = static_cast<std::int64_t>(i) * 1000000000 + 1});
   const ThreadLimit limit(1);
