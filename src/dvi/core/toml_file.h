@@ -4,7 +4,7 @@
 
 namespace toml {
 inline namespace v3 {
-class table;
+class table;  // NOLINT(readability-identifier-naming): the name of the library
 }
 }  // namespace toml
 
