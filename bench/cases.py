@@ -50,7 +50,7 @@ def street(size: tuple[int, int] = (640, 360), frames: int = FRAMES) -> list[Cas
         return ("synth", "-o", folder, *base, *more)
 
     def case(short: str, what: str, *commands: tuple[str, ...], sources: tuple[str, ...] = ()) -> Case:
-        # The other streets change by the same amounts: what they add to these two, the methods show.
+        # The other streets change by about the same amounts; they differ in the methods.
         return Case(f"street-{short}", STREET, short, what, commands, "drive/truth", sources=sources,
                     ablated=short in ("jitter", "two-days"))
 

@@ -11,6 +11,7 @@
 namespace dvi {
 namespace {
 
+using testing::AllOf;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::EndsWith;
@@ -114,6 +115,13 @@ TEST_F(Cameras, AreExportedTogether) {
   EXPECT_THAT(images[4], EndsWith(" 2 right/000000.png"));
   EXPECT_TRUE(fs::exists(folder / "colmap/images/right/000003.png"));
   EXPECT_TRUE(fs::exists(folder / "colmap/masks/right/000003.png.png"));
+
+  const std::vector<std::string> rigs = read_lines(folder / "colmap/sparse/0/rigs.txt");
+  ASSERT_EQ(rigs.size(), 2U) << "one rig";
+  EXPECT_THAT(rigs[1], StartsWith("1 2 CAMERA 1 CAMERA 2 1 "));
+  const std::vector<std::string> moments = read_lines(folder / "colmap/sparse/0/frames.txt");
+  ASSERT_EQ(moments.size(), 5U) << "both images of a moment are one frame";
+  EXPECT_THAT(moments[4], AllOf(StartsWith("4 1 "), EndsWith(" 2 CAMERA 1 4 CAMERA 2 8")));
 
   const nlohmann::json transforms = read("nerfstudio/transforms.json");
   EXPECT_FALSE(transforms.contains("fl_x")) << "each frame has its camera";

@@ -196,9 +196,9 @@ TEST_F(GivenMasks, CheckFailsIfARunIsNotPossible) {
   EXPECT_THAT(check.out,
               AllOf(HasSubstr("neither masks, labels, nor scans show the objects to remove"), HasSubstr("not ready")));
   EXPECT_THAT(check.err, HasSubstr("is not ready for dvi run"));
-  const Result json = dvi("check drive --quiet --json");
-  EXPECT_EQ(json.code, 3);
-  EXPECT_EQ(nlohmann::json::parse(json.out)["ready"], false);
+  const Result as_json = dvi("check drive --quiet --json");
+  EXPECT_EQ(as_json.code, 3);
+  EXPECT_EQ(nlohmann::json::parse(as_json.out)["ready"], false);
 }
 
 }  // namespace

@@ -154,7 +154,7 @@ std::vector<SharedPoint> Chain::find_shared_points(std::size_t i, const Lazy<Unm
       const Eigen::Vector3d p = other.camera_from_world * map_.map.points[point.index].position.cast<double>();
       if (!other.camera.in_front(p)) continue;
       const Eigen::Vector2d pixel = other.camera.project(p);
-      if (other.camera.contains(pixel) && sight->is_visible(pixel, p.z()))
+      if (other.camera.contains(pixel) && sight->is_visible(pixel, other.camera.depth(p)))
         point.observed_by = static_cast<std::uint16_t>(point.observed_by | 1U << k);
     }
   }

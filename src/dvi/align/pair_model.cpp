@@ -24,22 +24,6 @@ PointSet get_set(std::size_t i) { return i % kHeldOutStep == kHeldOutStep - 1 ? 
 
 cv::Size get_size(const PosedImage& view) { return {view.camera.width, view.camera.height}; }
 
-/// Computes the derivative of Camera::project with respect to the point.
-Eigen::Matrix<double, 2, 3> differentiate_projection(const Camera& camera, const Eigen::Vector3d& point) {
-  const double z = point.z(), x = point.x() / z, y = point.y() / z, r2 = x * x + y * y;
-  Eigen::Matrix2d distortion = Eigen::Matrix2d::Identity();
-  if (camera.is_distorted()) {
-    const auto [k1, k2, p1, p2, k3] = camera.distortion;
-    const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3)), slope = 2 * (k1 + r2 * (2 * k2 + r2 * 3 * k3));
-    const double mixed = x * y * slope + 2 * p1 * x + 2 * p2 * y;
-    distortion << radial + x * x * slope + 2 * p1 * y + 6 * p2 * x, mixed, mixed,
-        radial + y * y * slope + 6 * p1 * y + 2 * p2 * x;
-  }
-  Eigen::Matrix<double, 2, 3> flat;
-  flat << 1 / z, 0, -x / z, 0, 1 / z, -y / z;
-  return Eigen::Vector2d(camera.fx, camera.fy).asDiagonal() * distortion * flat;
-}
-
 /// A point in both views: its position in the moving view, and its value in the fixed view.
 struct CommonPoint {
   const SurfacePoint* surfel;
@@ -95,7 +79,7 @@ Residuals compute_residuals(const CommonPoints& common, const Eigen::Matrix3d& R
     const Eigen::Vector3d p = R * point.in_moving;
     const ValueAndSlope spot = sample((*moving.image)[level], get_size(moving), moving.camera.project(p));
     out.r.push_back(spot.value - point.value);
-    out.J.emplace_back(-(spot.slope * differentiate_projection(moving.camera, p)) * skew(p));
+    out.J.emplace_back(-(spot.slope * moving.camera.differentiate(p)) * skew(p));
   }
   return out;
 }
@@ -162,8 +146,8 @@ PairModel make_model(const Eigen::Vector3d& w, const PosedPair& posed, const Com
   const double scale = estimate_scale(last.r);
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Eigen::Vector3d p = R * points[k].in_moving, q = fixed.camera_from_world * points[k].surfel->position.cast<double>();
-    const Eigen::RowVector3d by_p = sample((*moving.image)[0], get_size(moving), moving.camera.project(p)).slope *
-                                    differentiate_projection(moving.camera, p);
+    const Eigen::RowVector3d by_p =
+        sample((*moving.image)[0], get_size(moving), moving.camera.project(p)).slope * moving.camera.differentiate(p);
     const Eigen::RowVector3d by_q = -by_p * moving_from_fixed * differentiate_along_surface(*points[k].surfel, fixed, q);
     Eigen::Matrix<double, 1, 2 * N> J;
     if constexpr (N == 3)

@@ -51,7 +51,7 @@ void add_samples(const std::vector<map::VisiblePoint>& ring, const View& view, c
     const Eigen::Vector3d world = point.world.cast<double>(), p = neighbor.view.camera_from_world * world;
     if (!neighbor.view.camera.in_front(p)) continue;
     const Eigen::Vector2d pixel = neighbor.view.camera.project(p);
-    if (neighbor.view.camera.contains(pixel) && neighbor.sight.is_visible(pixel, p.z()))
+    if (neighbor.view.camera.contains(pixel) && neighbor.sight.is_visible(pixel, neighbor.view.camera.depth(p)))
       samples.push_back({view.camera_from_world * world, sample_color(neighbor.image, pixel)});
   }
 }

@@ -7,7 +7,6 @@
 
 #include "dvi/bags/ros_image.h"
 #include "dvi/core/error.h"
-#include "dvi/core/text.h"
 #include "dvi/media/image_file.h"
 
 namespace dvi::bags {
@@ -24,28 +23,19 @@ bool is_rectified(const std::string& topic) {
   return false;
 }
 
-[[noreturn]] void refuse_model(const fs::path& path, const std::string& topic, const RosCameraInfo& info) {
-  const std::string model = to_lower_case(info.model);
-  const bool is_rational = model == "rational_polynomial" || model == "plumb_bob" || model == "radtan";
-  if (is_rational)
-    throw InputError(path, fmt::format("{} has the distortion '{}' with {} numbers", topic, info.model, info.D.size()),
-                     "undistort the images first (image_proc), or set K and a distortion of five numbers in dvi.toml");
-  throw InputError(
-      path, fmt::format("{} has the camera model '{}', which is not supported: only pinhole cameras are", topic, info.model),
-      "undistort the images first (image_proc, or cv::fisheye::undistortImage of OpenCV), and set the K of the "
-      "undistorted images in dvi.toml");
-}
-
-// Sets the coefficients k1, k2, p1, p2, k3.
+// Sets the model and its coefficients, after xi of the unified model. Bags state none for images without distortion.
 void set_distortion(Camera& camera, const RosCameraInfo& info, const fs::path& path, const std::string& topic) {
-  const std::string model = to_lower_case(info.model);
-  const bool is_pinhole =
-      model.empty() || model == "plumb_bob" || model == "radtan" || model == "none" || model == "rational_polynomial";
-  const auto is_zero = [](double d) { return d == 0; };
-  const std::size_t kept = std::min(info.D.size(), camera.distortion.size());
-  if (!is_pinhole || !std::all_of(info.D.begin() + static_cast<std::ptrdiff_t>(kept), info.D.end(), is_zero))
-    refuse_model(path, topic, info);
-  std::copy_n(info.D.begin(), kept, camera.distortion.begin());
+  const std::optional<CameraModel> model = info.model.empty() ? CameraModel::pinhole : find_camera_model(info.model);
+  if (!model)
+    throw InputError(path, fmt::format("{} has the camera model '{}', which is not supported", topic, info.model),
+                     "undistort the images first (image_proc), and set the K of the undistorted images in dvi.toml; or set the "
+                     "model there, if it has another name");
+  const bool has_xi = model == CameraModel::unified && !info.D.empty();
+  const std::span<const double> coefficients = std::span(info.D).subspan(has_xi ? 1 : 0);
+  if (const std::string problem = describe_lens_problem(*model, coefficients); !problem.empty())
+    throw InputError(path, fmt::format("the distortion '{}' of {} {}", info.model, topic, problem),
+                     "undistort the images first (image_proc), or set K, model, and distortion in dvi.toml");
+  camera.set_lens(make_lens(*model, coefficients, has_xi ? info.D[0] : 0));
 }
 
 void warn_of_other_frame(const BagMessages& messages, const BagCamera& camera, const RosCameraInfo& info,

@@ -162,11 +162,12 @@ nlohmann::json topics_json(const std::vector<RecordedTopic>& topics) {
 
 std::string CheckReport::brief() const {
   std::string text = fmt::format(
-      "{}\n  format   {}\n  camera   {} ({}x{}, fx {:.1f})\n  frames   {} ({}:{}), {:.1f} Hz, {} with pose\n"
+      "{}\n  format   {}\n  camera   {} ({}x{}, {}fx {:.1f})\n  frames   {} ({}:{}), {:.1f} Hz, {} with pose\n"
       "{}  path     {:.1f} m, by {} poses\n"
       "  masks    {}\n",
-      path, format, camera_name, camera.width, camera.height, camera.fx, frames, first_frame, last_frame, frame_rate_hz,
-      frames_with_pose, describe_geometry(*this), path_m, poses_from, describe_masks(*this));
+      path, format, camera_name, camera.width, camera.height, camera.is_wide() ? to_string(camera.model) + ", " : "", camera.fx,
+      frames, first_frame, last_frame, frame_rate_hz, frames_with_pose, describe_geometry(*this), path_m, poses_from,
+      describe_masks(*this));
   if (place)
     text += fmt::format("  gps      {} fixes, half of them within {:.2f} m of the path\n", place->fixes, place->residual_m);
   for (const RecordedTopic& topic : topics)
@@ -191,6 +192,7 @@ std::string to_json(const CheckReport& r) {
         {"all", r.camera_names},
         {"width", r.camera.width},
         {"height", r.camera.height},
+        {"model", to_string(r.camera.model)},
         {"fx", r.camera.fx},
         {"fy", r.camera.fy},
         {"cx", r.camera.cx},

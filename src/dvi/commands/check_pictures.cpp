@@ -95,11 +95,12 @@ cv::Mat3b draw_lidar_on_image(const Drive& drive, std::size_t frame, const Traje
   const int radius = std::max(1, out.cols / 900);
   for (const Eigen::Vector3d& p : measured_points(drive, time, world_from_lidar, kMaxDepthM)) {
     const Eigen::Vector3d x = camera_from_world * p;
-    if (x.z() < drive.min_range_m() || !drive.camera.in_front(x)) continue;
+    if (drive.camera.depth(x) < drive.min_range_m() || !drive.camera.in_front(x)) continue;
     const Eigen::Vector2d pixel = drive.camera.project(x);
     if (!drive.camera.contains(pixel)) continue;
     cv::circle(out, {static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))}, radius,
-               cv::Scalar(color_of(std::log(x.z() / kMinDepthM) / std::log(kMaxDepthM / kMinDepthM))), cv::FILLED);
+               cv::Scalar(color_of(std::log(drive.camera.depth(x) / kMinDepthM) / std::log(kMaxDepthM / kMinDepthM))),
+               cv::FILLED);
   }
   return out;
 }

@@ -23,15 +23,19 @@ constexpr double kPixelCenterPx = 0.5;
 struct Model {
   const char* name;
   std::size_t focals, distortions;  // parameters: focal lengths, cx, cy, distortions
+  CameraModel model = CameraModel::pinhole;
 };
 // The index of a model is its number in binary files. A model with 0 focal lengths has a distortion that dvi does not support.
-constexpr std::array<Model, 7> kCameraModels{{{"SIMPLE_PINHOLE", 1, 0},
-                                              {"PINHOLE", 2, 0},
-                                              {"SIMPLE_RADIAL", 1, 1},
-                                              {"RADIAL", 1, 2},
-                                              {"OPENCV", 2, 4},
-                                              {"OPENCV_FISHEYE", 0, 0},
-                                              {"FULL_OPENCV", 2, 8}}};
+constexpr std::array<Model, 10> kCameraModels{{{"SIMPLE_PINHOLE", 1, 0},
+                                               {"PINHOLE", 2, 0},
+                                               {"SIMPLE_RADIAL", 1, 1},
+                                               {"RADIAL", 1, 2},
+                                               {"OPENCV", 2, 4},
+                                               {"OPENCV_FISHEYE", 2, 4, CameraModel::fisheye},
+                                               {"FULL_OPENCV", 2, 8},
+                                               {"FOV", 0, 0},
+                                               {"SIMPLE_RADIAL_FISHEYE", 1, 1, CameraModel::fisheye},
+                                               {"RADIAL_FISHEYE", 1, 2, CameraModel::fisheye}}};
 
 [[noreturn]] void fail_camera(const fs::path& file, const std::string& model) {
   throw InputError(file, "has a camera of model " + model, "undistort the images with colmap image_undistorter");
@@ -58,12 +62,7 @@ Camera to_camera(const fs::path& file, const Model& model, cv::Size2d size, cons
   Camera camera{.width = static_cast<int>(size.width), .height = static_cast<int>(size.height)};
   const std::size_t f = model.focals;
   camera.fx = p[0], camera.fy = p[f - 1], camera.cx = p[f] - kPixelCenterPx, camera.cy = p[f + 1] - kPixelCenterPx;
-  for (std::size_t k = 0; k < model.distortions; ++k) {
-    if (k < camera.distortion.size())
-      camera.distortion[k] = p[f + 2 + k];
-    else if (p[f + 2 + k] != 0)
-      fail_camera(file, "FULL_OPENCV with k4, k5 or k6");
-  }
+  camera.set_lens(make_lens(model.model, std::span(p).subspan(f + 2, model.distortions)));
   require_plausible(camera, file, "a camera");
   return camera;
 }

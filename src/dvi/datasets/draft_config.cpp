@@ -69,7 +69,9 @@ std::string format_camera_table(const fs::path& images, bool depth, DraftConfig&
   if (rate) text += fmt::format(", {:.4g} Hz by times/{}.txt", *rate, camera);
   text += fmt::format("\nsize = [{}, {}]\n# K = [fx, 0, {:g}, 0, fy, {:g}, 0, 0, 1]      # fill in: pixels, row by row\n",
                       size.width, size.height, 0.5 * (size.width - 1), 0.5 * (size.height - 1));
-  text += "# distortion = [0, 0, 0, 0, 0]  # k1, k2, p1, p2, k3 as in OpenCV, if the images are distorted\n";
+  text +=
+      "# distortion = [0, 0, 0, 0, 0]  # k1, k2, p1, p2, k3 as in OpenCV, if the images are distorted\n"
+      "# model = \"fisheye\"            # with k1 to k4 as its distortion; or unified, equirectangular, cylindrical\n";
   if (!depth)
     text +=
         "# fill in: x_camera = R x_lidar + t, meters; this example is a camera that looks ahead from the LiDAR's position\n"

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <numbers>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <toml++/toml.h>
 
 #include "dvi/core/error.h"
-#include "dvi/core/text.h"
 #include "dvi/core/toml_file.h"
 #include "dvi/geometry/angles.h"
 #include "dvi/geometry/plausible.h"
@@ -20,6 +19,7 @@ namespace dvi::datasets {
 namespace {
 
 constexpr int kVersion = 1;
+constexpr double kMaxXi = 10;
 
 // Returns the numbers of a list, or of a list of rows, in order; nothing if it holds anything else.
 std::vector<double> finite_numbers(const toml::node& node) {
@@ -90,10 +90,15 @@ class Table {
     if (!node->is_string()) fail(*node, fmt::format("'{}' is not a text", key));
     return node->as_string()->get();
   }
-  /// Returns the number of entries of a list; 0 if there is no list.
-  std::size_t list_size(const char* key) const {
+  bool has(const char* key) const { return table_->contains(key); }
+  /// Returns a list of numbers; an empty list if there is none.
+  std::vector<double> list(const char* key) const {
     const toml::node* node = table_->get(key);
-    return node && node->is_array() ? node->as_array()->size() : 0;
+    if (!node) return {};
+    std::vector<double> out = finite_numbers(*node);
+    if (!node->is_array() || (out.empty() && !node->as_array()->empty()))
+      fail(*node, fmt::format("'{}' is not a list of numbers", key));
+    return out;
   }
   /// Returns a list of words; an empty list if there is none.
   std::vector<std::string> words(const char* key) const {
@@ -154,38 +159,59 @@ std::optional<SE3> read_rigid(const Table& table, const char* key) {
   return motion;
 }
 
-constexpr const char* kUndistort =
-    "undistort the images first (OpenCV: cv2.undistort, or cv2.fisheye.undistortImage for a fisheye lens) and set K of the "
-    "new images";
+constexpr const char* kModels = "models are pinhole, fisheye, unified, equirectangular, and cylindrical";
 
-// The names of the models that read_distortion() supports in OpenCV, ROS, and Kalibr.
-void require_pinhole(const Table& table, const char* key) {
-  static const std::set<std::string> pinhole = {"pinhole", "perspective", "opencv", "plumb_bob", "radtan", "brown", "none"};
-  const std::optional<std::string> model = table.text(key);
-  if (!model || pinhole.contains(to_lower_case(*model))) return;
-  table.fail(key, fmt::format("is '{}', but only pinhole cameras with k1, k2, p1, p2, k3 are supported", *model), kUndistort);
+// Reads the model. Kalibr states a fisheye lens by the model of its distortion, and other cameras by the camera's.
+std::optional<CameraModel> read_camera_model(const Table& table) {
+  std::optional<CameraModel> out;
+  for (const char* key : {"model", "distortion_model"}) {
+    const std::optional<std::string> name = table.text(key);
+    if (!name) continue;
+    const std::optional<CameraModel> model = find_camera_model(*name);
+    if (!model)
+      table.fail(key, fmt::format("is '{}', which is not a known camera model", *name),
+                 std::string(kModels) + "; undistort the images of other cameras first");
+    if (!out || *model != CameraModel::pinhole) out = model;
+  }
+  return out;
 }
 
-std::optional<std::array<double, 5>> read_distortion(const Table& table) {
-  for (const char* key : {"model", "distortion_model"}) require_pinhole(table, key);
-  switch (table.list_size("distortion")) {
-    case 4:
-      table.fail("distortion", "has 4 numbers, but 5 are expected: k1, k2, p1, p2, k3",
-                 std::string("add k3 = 0 if they are k1, k2, p1, p2; if they are k1 to k4 of a fisheye lens, ") + kUndistort);
-    case 8:
-    case 12:
-    case 14:
-      table.fail("distortion",
-                 "holds the coefficients of OpenCV's rational model, but only 5 are supported: k1, k2, p1, p2, k3",
-                 std::string("remove the others if they are 0; otherwise ") + kUndistort);
-    default:
-      return table.numbers<5>("distortion");
-  }
+std::optional<Lens> read_lens(const Table& table) {
+  const std::optional<CameraModel> model = read_camera_model(table);
+  const std::optional<double> xi = table.number("xi");
+  const std::vector<double> coefficients = table.list("distortion");
+  if (!model && coefficients.size() == 4)
+    table.fail("distortion", "has 4 numbers, of a pinhole camera (k1, k2, p1, p2) or of a fisheye lens (k1 to k4)",
+               "add model = \"pinhole\" or model = \"fisheye\"");
+  const CameraModel known = model.value_or(CameraModel::pinhole);
+  if (const std::string problem = describe_lens_problem(known, coefficients); !problem.empty())
+    table.fail("distortion", problem, "undistort the images first if the camera has another model");
+  if (xi && known != CameraModel::unified) table.fail("xi", "is given, but the model is not \"unified\"");
+  if (known == CameraModel::unified && !(xi && *xi >= 0 && *xi <= kMaxXi))
+    table.fail(xi                   ? "xi"
+               : table.has("model") ? "model"
+                                    : "distortion_model",
+               "needs xi, between 0 and 10", "copy xi of the calibration, such as xi = 2.2");
+  if (!model && !table.has("distortion")) return std::nullopt;
+  return make_lens(known, coefficients, xi.value_or(0));
+}
+
+// Returns the matrix of a panorama of the whole sphere, unless K is given.
+std::optional<std::array<double, 9>> read_camera_matrix(const Table& table, const std::optional<Lens>& lens,
+                                                        const std::optional<cv::Size>& size) {
+  const auto K = read_intrinsics(table);
+  if (K || !lens || lens->model != CameraModel::equirectangular) return K;
+  if (!size || size->width != 2 * size->height)
+    table.fail("model", "needs K (pixels per radian), unless size is [width, height] of a panorama of the whole sphere",
+               "a panorama of the whole sphere is twice as wide as high");
+  const double f = size->width / (2 * std::numbers::pi);
+  return std::array<double, 9>{f, 0, 0.5 * (size->width - 1), 0, f, 0.5 * (size->height - 1), 0, 0, 1};
 }
 
 CameraConfig read_camera(const Table& table) {
-  return {read_size(table), read_intrinsics(table), read_distortion(table), read_rigid(table, "camera_from_lidar"),
-          read_offset_ns(table)};
+  const std::optional<cv::Size> size = read_size(table);
+  const std::optional<Lens> lens = read_lens(table);
+  return {size, read_camera_matrix(table, lens, size), lens, read_rigid(table, "camera_from_lidar"), read_offset_ns(table)};
 }
 
 std::optional<double> read_units(const Table& table) {
@@ -196,8 +222,10 @@ std::optional<double> read_units(const Table& table) {
 }
 
 DepthConfig read_depth(const Table& table) {
-  DepthConfig depth{read_intrinsics(table), read_distortion(table), read_rigid(table, "depth_from_color"), read_units(table)};
-  if (depth.distortion && !depth.K)
+  DepthConfig depth{read_intrinsics(table), read_lens(table), read_rigid(table, "depth_from_color"), read_units(table)};
+  if (depth.lens && depth.lens->model != CameraModel::pinhole)
+    table.fail(table.has("model") ? "model" : "distortion_model", "is not pinhole, but depth images are of pinhole cameras");
+  if (table.has("distortion") && !depth.K)
     table.fail("distortion", "needs K, because it means that the depth images have their own camera");
   return depth;
 }
@@ -248,7 +276,7 @@ std::optional<DriveConfig> read_drive_config(const fs::path& drive) {
     require_plain_name(std::string(name.str()), config.file, "a camera");
     config.cameras[std::string(name.str())] =
         read_camera(Table(config.file, fmt::format("camera.{}", name.str()), to_table(&node),
-                          {"size", "K", "distortion", "model", "distortion_model", "camera_from_lidar", "offset_s"}));
+                          {"size", "K", "distortion", "model", "distortion_model", "xi", "camera_from_lidar", "offset_s"}));
   }
   std::vector<std::string> names;
   for (const auto& [name, camera] : config.cameras) names.push_back(name);
@@ -264,7 +292,7 @@ std::optional<DriveConfig> read_drive_config(const fs::path& drive) {
 void DepthConfig::apply(DepthCamera& depth) const {
   if (K) {
     depth.camera = Camera{.fx = (*K)[0], .fy = (*K)[4], .cx = (*K)[2], .cy = (*K)[5]};
-    if (distortion) depth.camera->distortion = *distortion;
+    if (lens) depth.camera->set_lens(*lens);
   }
   if (depth_from_color) depth.depth_from_color = depth_from_color;
   if (units_per_meter) depth.units_per_meter = *units_per_meter;
@@ -274,7 +302,7 @@ void CameraConfig::apply(Drive& drive) const {
   Camera& camera = drive.camera;
   if (size) camera.width = size->width, camera.height = size->height;
   if (K) camera.fx = (*K)[0], camera.cx = (*K)[2], camera.fy = (*K)[4], camera.cy = (*K)[5];
-  if (distortion) camera.distortion = *distortion;
+  if (lens) camera.set_lens(*lens);
   if (camera_from_lidar) drive.camera_from_lidar = *camera_from_lidar;
   for (Frame& frame : drive.frames) frame.time_ns += offset_ns;
 }

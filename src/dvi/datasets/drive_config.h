@@ -18,7 +18,7 @@ namespace dvi::datasets {
 struct CameraConfig {
   std::optional<cv::Size> size;
   std::optional<std::array<double, 9>> K;  ///< row-major
-  std::optional<std::array<double, 5>> distortion;
+  std::optional<Lens> lens;
   std::optional<SE3> camera_from_lidar;
   std::int64_t offset_ns = 0;  ///< is added to the camera's stamps
 
@@ -45,7 +45,7 @@ struct LidarConfig {
 /// The table [depth]: the camera that took the depth images.
 struct DepthConfig {
   std::optional<std::array<double, 9>> K;  ///< row-major
-  std::optional<std::array<double, 5>> distortion;
+  std::optional<Lens> lens;
   std::optional<SE3> depth_from_color;
   std::optional<double> units_per_meter;
 

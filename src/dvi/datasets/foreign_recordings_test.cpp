@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "dvi/core/error.h"
 #include "dvi/datasets/colmap_model.h"
 #include "dvi/datasets/pose_file.h"
 #include "dvi/datasets/reader.h"
@@ -55,6 +56,35 @@ TEST_F(ForeignRecordings, ReadKitti360WithTimesOfAnotherExcerpt) {
   EXPECT_EQ(drive.scan_headers[2].time_ns, drive.frames[2].time_ns);
   EXPECT_THAT(drive.warnings, Contains(AllOf(HasSubstr("timestamps.txt has 1031 lines and none for 0000003000.png"),
                                              HasSubstr("another excerpt"))));
+}
+
+// A point at the left is in the image of the fisheye camera that looks to the left.
+TEST_F(ForeignRecordings, ReadFisheyeCamerasOfKitti360) {
+  const fs::path path = find("kitti_360/data_2d_raw/2013_05_28_drive_0007_sync");
+  SKIP_IF_ABSENT(path);
+  const TestFolder folder;
+  fs::copy(path.parent_path().parent_path(), folder.path / "kitti", fs::copy_options::recursive);
+  const fs::path drive_path = folder.path / "kitti/data_2d_raw" / path.filename();
+  for (const char* name : {"0000003000", "0000003001", "0000003002"})
+    folder.write_image("kitti/data_2d_raw/" + path.filename().string() + "/image_02/data_rgb/" + name + ".png",
+                       cv::Mat3b(1400, 1400, cv::Vec3b::all(90)));
+  fs::copy(path / "image_00/timestamps.txt", drive_path / "image_02/timestamps.txt");
+  const Drive drive = read_drive(drive_path, {.camera = "image_02"});
+  EXPECT_EQ(drive.camera_names, (std::vector<std::string>{"image_00", "image_02"}));
+  EXPECT_EQ(drive.camera.model, CameraModel::unified);
+  EXPECT_NEAR(drive.camera.xi, 2.2134, 1e-4);
+  EXPECT_EQ(drive.frames.size(), 3U);
+  const Eigen::Vector3d left(0, 20, -1), at = drive.camera_from_lidar * left, behind = drive.camera_from_lidar * -left;
+  ASSERT_TRUE(drive.camera.in_front(at));
+  EXPECT_LT((drive.camera.project(at) - Eigen::Vector2d(717, 735)).norm(), 60) << drive.camera.project(at).transpose();
+  EXPECT_FALSE(drive.camera.in_front(behind));
+  write_file(folder.path / "kitti/calibration/image_02.yaml", "%YAML:1.0\n---\nimage_width: 1400\n");
+  try {
+    read_drive(drive_path, {.camera = "image_02"});
+    ADD_FAILURE() << "a calibration without a lens was read";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("image_02.yaml"), HasSubstr("has no number")));
+  }
 }
 
 TEST_F(ForeignRecordings, ReadTumRgbd) {

@@ -1,6 +1,10 @@
 #include "dvi/datasets/kitti_calibration.h"
 
+#include <algorithm>
 #include <map>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
 
 #include "dvi/core/error.h"
 #include "dvi/core/text.h"
@@ -9,6 +13,8 @@
 
 namespace dvi::datasets {
 namespace {
+
+constexpr const char* kPublished360 = "use the file as published by KITTI-360";
 
 // The lines "KEY: numbers" of a file.
 class Entries {
@@ -69,7 +75,46 @@ SE3 require_rigid(const std::array<double, 12>& numbers, const fs::path& file, c
   throw InputError(file, entry + " " + describe_rotation_problem(get_left_part(numbers)), "use the file as published by KITTI");
 }
 
+double read_number(const cv::FileNode& parent, const char* name, const fs::path& file) {
+  const cv::FileNode node = parent[name];
+  if (!node.isReal() && !node.isInt()) throw InputError(file, fmt::format("has no number {}", name), kPublished360);
+  return static_cast<double>(node);
+}
+
+// Reads the calibration of a camera of the unified model, a YAML file of OpenCV.
+Camera read_unified_camera(const fs::path& file) {
+  if (!fs::exists(file)) throw InputError(file, "is missing", "download it with KITTI-360's calibration files");
+  try {
+    const cv::FileStorage storage(read_file(file), cv::FileStorage::READ | cv::FileStorage::MEMORY);
+    const cv::FileNode root = storage.root(), distortion = root["distortion_parameters"], K = root["projection_parameters"];
+    Camera out;
+    out.width = static_cast<int>(std::clamp(read_number(root, "image_width", file), 0.0, 1e6));
+    out.height = static_cast<int>(std::clamp(read_number(root, "image_height", file), 0.0, 1e6));
+    out.fx = read_number(K, "gamma1", file), out.fy = read_number(K, "gamma2", file);
+    out.cx = read_number(K, "u0", file), out.cy = read_number(K, "v0", file);
+    std::vector<double> coefficients;
+    for (const char* name : {"k1", "k2", "p1", "p2"}) coefficients.push_back(read_number(distortion, name, file));
+    out.set_lens(make_lens(CameraModel::unified, coefficients, read_number(root["mirror_parameters"], "xi", file)));
+    return out;
+  } catch (const cv::Exception& e) {
+    throw InputError(file, fmt::format("is not a YAML file of OpenCV ({})", e.err), kPublished360);
+  }
+}
+
+KittiCalibration read_fisheye_calibration(const fs::path& folder, const std::string& camera) {
+  const fs::path to_pose = folder / "calib_cam_to_pose.txt", lens = folder / (camera + ".yaml");
+  KittiCalibration out = read_kitti_360_calibration(folder, "image_00");
+  out.camera = read_unified_camera(lens);
+  const SE3 imu_from_camera0 = read_kitti_360_camera_pose(to_pose, "image_00");
+  out.camera_from_rect0 =
+      read_kitti_360_camera_pose(to_pose, camera).inverse() * imu_from_camera0 * SE3{out.rect0_rotation.transpose(), {0, 0, 0}};
+  out.files.insert(out.files.end(), {to_pose, lens});
+  return out;
+}
+
 }  // namespace
+
+bool is_kitti_360_fisheye(const std::string& camera) { return camera == "image_02" || camera == "image_03"; }
 
 KittiCalibration read_kitti_calibration(const fs::path& date_folder, const std::string& camera) {
   const fs::path cam_to_cam = date_folder / "calib_cam_to_cam.txt", velo_to_cam = date_folder / "calib_velo_to_cam.txt";
@@ -93,7 +138,15 @@ KittiCalibration read_kitti_odometry_calibration(const fs::path& file, const std
   return out;
 }
 
+SE3 read_kitti_360_camera_pose(const fs::path& file, const std::string& camera) {
+  if (!fs::exists(file)) throw InputError(file, "is missing", "download it with KITTI-360's calibration files");
+  for (const TextLine& line : read_text_lines(file))
+    if (line.size() > 0 && line.word(0) == camera + ":") return require_rigid(line.numbers<12>(1), file, camera);
+  throw InputError(file, "has no entry " + camera, "use the file as published by KITTI-360");
+}
+
 KittiCalibration read_kitti_360_calibration(const fs::path& folder, const std::string& camera) {
+  if (is_kitti_360_fisheye(camera)) return read_fisheye_calibration(folder, camera);
   const fs::path perspective = folder / "perspective.txt", to_velo = folder / "calib_cam_to_velo.txt";
   const std::string number = camera.substr(camera.size() - 2);
   const Entries cameras(perspective);

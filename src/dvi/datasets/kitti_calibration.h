@@ -28,7 +28,14 @@ KittiCalibration read_kitti_calibration(const fs::path& date_folder, const std::
 /// the image size; Tr transforms points from the LiDAR to the rectified camera 0. Throws the same errors.
 KittiCalibration read_kitti_odometry_calibration(const fs::path& file, const std::string& camera);
 
-/// Reads perspective.txt and calib_cam_to_velo.txt of KITTI-360 for a camera "image_00". Throws the same errors.
+/// Returns whether a camera of KITTI-360 is one of the two fisheye cameras.
+bool is_kitti_360_fisheye(const std::string& camera);
+
+/// Reads the pose of a camera relative to the IMU in calib_cam_to_pose.txt of KITTI-360. Throws the same errors.
+SE3 read_kitti_360_camera_pose(const fs::path& file, const std::string& camera);
+
+/// Reads perspective.txt and calib_cam_to_velo.txt of KITTI-360 for a perspective camera, "image_00" or "image_01", or also
+/// image_02.yaml and calib_cam_to_pose.txt for a fisheye camera, "image_02" or "image_03". Throws the same errors.
 KittiCalibration read_kitti_360_calibration(const fs::path& folder, const std::string& camera);
 
 /// Reads calib_imu_to_velo.txt. Throws the same errors.

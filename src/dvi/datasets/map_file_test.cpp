@@ -178,9 +178,22 @@ TEST_F(Colmap, TreatsRigidlyMountedCamerasAsARig) {
   EXPECT_LT((right_from_left.t - Eigen::Vector3d(-0.5, 0, 0)).norm(), 1e-12);
 }
 
+TEST_F(Colmap, ReadsTheModelsOfOpenCv) {
+  const auto with = [&](const char* camera) {
+    return folder.write("sparse/0/cameras.txt", camera), read_drive(folder.path).camera;
+  };
+  const Camera fisheye = with("1 OPENCV_FISHEYE 8 6 4 5 4.5 3.5 0.1 0.2 0.3 0.4\n");
+  EXPECT_EQ(fisheye.model, CameraModel::fisheye);
+  EXPECT_EQ(fisheye.distortion[3], 0.4);
+  EXPECT_EQ(with("1 RADIAL_FISHEYE 8 6 4 4.5 3.5 0.1 0.2\n").distortion[1], 0.2);
+  const Camera rational = with("1 FULL_OPENCV 8 6 4 5 4.5 3.5 0.1 0.2 0 0 0.3 0.4 0.5 0.6\n");
+  EXPECT_EQ(rational.model, CameraModel::pinhole);
+  EXPECT_EQ(rational.distortion[7], 0.6);
+}
+
 TEST_F(Colmap, RefusesInvalidModels) {
-  folder.write("sparse/0/cameras.txt", "1 OPENCV_FISHEYE 8 6 4 5 4.5 3.5 0 0 0 0\n");
-  EXPECT_THAT(error(), AllOf(HasSubstr("OPENCV_FISHEYE"), HasSubstr("image_undistorter")));
+  folder.write("sparse/0/cameras.txt", "1 FOV 8 6 4 5 4.5 3.5 0.9\n");
+  EXPECT_THAT(error(), AllOf(HasSubstr("FOV"), HasSubstr("image_undistorter")));
   folder.write("sparse/0/cameras.txt", "2 PINHOLE 8 6 4 5 4.5 3.5\n");
   EXPECT_THAT(error(), HasSubstr("is of camera 1, which cameras.txt does not have"));
   folder.write("sparse/0/cameras.txt", kCameras);

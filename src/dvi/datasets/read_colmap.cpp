@@ -38,8 +38,7 @@ std::map<std::string, ModelImages> group_by_camera(const ColmapModel& model, con
     if (!images.emplace(path.stem().string(), image).second)
       throw InputError(file, "has two images called " + path.stem().string());
     const ColmapImage& first = images.begin()->second;
-    const Camera &a = model.cameras.at(first.camera), &b = model.cameras.at(image.camera);
-    if (a.fx != b.fx || a.fy != b.fy || a.cx != b.cx || a.cy != b.cy || a.distortion != b.distortion || a.width != b.width)
+    if (model.cameras.at(first.camera) != model.cameras.at(image.camera))
       throw InputError(file, first.name + " and " + image.name + " are in one folder, but of different cameras",
                        "each folder must have one camera; run COLMAP with single_camera_per_folder");
   }

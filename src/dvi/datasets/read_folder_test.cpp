@@ -171,19 +171,50 @@ TEST_F(Folder, RefusesSettingsThatAreMissingOrMalformed) {
   EXPECT_THAT(error(), HasSubstr("dvi.toml: is missing"));
 }
 
+TEST_F(Folder, ReadsCameraModels) {
+  const auto with = [&](const std::string& lines) { return folder.write("dvi.toml", kCamera + lines), read().camera; };
+  EXPECT_EQ(with("model = \"pinhole\"\ndistortion_model = \"plumb_bob\"\n").model, CameraModel::pinhole);
+  EXPECT_EQ(with("model = \"pinhole\"\ndistortion = [0.1, 0, 0, 0.2]\n").distortion[3], 0.2);
+  EXPECT_EQ(with("distortion = [0.1, 0, 0, 0, 0, 0.2, 0, 0]\n").distortion[5], 0.2);
+  for (const char* lines : {"model = \"fisheye\"\n", "distortion_model = \"equidistant\"\n", "model = \"KANNALA_BRANDT\"\n",
+                            "model = \"pinhole\"\ndistortion_model = \"equidistant\"\n"}) {
+    const Camera camera = with(std::string("distortion = [0.1, 0.2, 0.3, 0.4]\n") + lines);
+    EXPECT_EQ(camera.model, CameraModel::fisheye) << lines;
+    EXPECT_EQ(camera.distortion[3], 0.4);
+  }
+  const Camera unified = with("model = \"omni\"\ndistortion_model = \"radtan\"\nxi = 1.5\ndistortion = [0.1, 0, 0, 0]\n");
+  EXPECT_EQ(unified.model, CameraModel::unified);
+  EXPECT_EQ(unified.xi, 1.5);
+  EXPECT_EQ(with("model = \"cylindrical\"\n").model, CameraModel::cylindrical);
+}
+
+TEST_F(Folder, DerivesTheMatrixOfAWholePanorama) {
+  const auto with = [&](const char* size) {
+    return folder.write("dvi.toml", std::string("[camera.front]\nmodel = \"equirectangular\"\n") + size +
+                                        "camera_from_lidar = [0,-1,0,0, 0,0,-1,0, 1,0,0,0]\n");
+  };
+  with("");
+  EXPECT_THAT(error(), AllOf(HasSubstr("'model' needs K"), HasSubstr("twice as wide as high")));
+  with("size = [8, 6]\n");
+  EXPECT_THAT(error(), HasSubstr("'model' needs K"));
+}
+
 TEST_F(Folder, RefusesOtherModelsOfDistortion) {
   const auto with = [&](const std::string& lines) { return folder.write("dvi.toml", kCamera + lines), error(); };
   EXPECT_THAT(with("distortion = [-0.02, 0.005, -0.001, 0.0002]\n"),
-              AllOf(HasSubstr("dvi.toml:7: 'distortion' has 4 numbers"), HasSubstr("fisheye"), HasSubstr("add k3 = 0")));
-  EXPECT_THAT(with("distortion = [0.1, 0, 0, 0, 0, 0.2, 0, 0]\n"),
-              AllOf(HasSubstr("rational model"), HasSubstr("cv2.undistort")));
-  EXPECT_THAT(with("distortion = [0.1]\n"), HasSubstr("'distortion' is not a list of 5 numbers"));
+              AllOf(HasSubstr("dvi.toml:7: 'distortion' has 4 numbers"), HasSubstr("model = \"fisheye\"")));
+  EXPECT_THAT(with("distortion = [0.1]\n"), HasSubstr("'distortion' has 1 numbers instead of 5"));
+  EXPECT_THAT(with("distortion = [0, 0, 0, 0, 0, 0, 0, 0, 0.1, 0, 0, 0]\n"),
+              AllOf(HasSubstr("thin prism"), HasSubstr("undistort the images first")));
+  EXPECT_THAT(with("distortion = \"none\"\n"), HasSubstr("'distortion' is not a list of numbers"));
   for (const char* key : {"model", "distortion_model"})
-    for (const char* model : {"fisheye", "equidistant", "KANNALA_BRANDT", "rational_polynomial"})
-      EXPECT_THAT(with(std::string("distortion = [0, 0, 0, 0]\n") + key + " = \"" + model + "\"\n"),
-                  AllOf(HasSubstr(std::string("'") + key + "' is '" + model), HasSubstr("undistort the images first")));
-  folder.write("dvi.toml", std::string(kCamera) + "model = \"pinhole\"\ndistortion_model = \"plumb_bob\"\n");
-  EXPECT_EQ(read().camera.fx, 4);
+    EXPECT_THAT(with(std::string(key) + " = \"division\"\n"),
+                AllOf(HasSubstr(std::string("'") + key + "' is 'division'"), HasSubstr("undistort the images")));
+  EXPECT_THAT(with("model = \"fisheye\"\ndistortion = [0, 0, 0, 0, 0]\n"), HasSubstr("has 5 numbers instead of 4"));
+  EXPECT_THAT(with("model = \"unified\"\n"), AllOf(HasSubstr("needs xi"), HasSubstr("calibration")));
+  EXPECT_THAT(with("model = \"unified\"\nxi = -1\n"), HasSubstr("'xi' needs xi, between 0 and 10"));
+  EXPECT_THAT(with("xi = 1\n"), HasSubstr("the model is not \"unified\""));
+  EXPECT_THAT(with("model = \"cylindrical\"\ndistortion = [0.1]\n"), HasSubstr("panoramas have no distortion"));
 }
 
 TEST_F(Folder, ReadsTextFilesOfOtherSystems) {

@@ -44,8 +44,13 @@ struct Kitti360Paths {
   }
 };
 
-NumberedFiles list_rectified_images(const fs::path& drive, const std::string& camera) {
-  return list_numbered_files(drive / camera / "data_rect", kImageEndings);
+// The perspective cameras have rectified images, the fisheye cameras those as recorded.
+fs::path find_image_folder(const fs::path& drive, const std::string& camera) {
+  return drive / camera / (is_kitti_360_fisheye(camera) ? "data_rgb" : "data_rect");
+}
+
+NumberedFiles list_camera_images(const fs::path& drive, const std::string& camera) {
+  return list_numbered_files(find_image_folder(drive, camera), kImageEndings);
 }
 
 // The times of a drive's images and scans. Copied excerpts often have the timestamps.txt of another excerpt. If that of the
@@ -98,18 +103,6 @@ Trajectory read_imu_poses(const fs::path& file, const Kitti360Clock& clock, cons
     poses.push_back({clock.of_image(line.integer(0), file), *world_from_imu * imu_from_lidar});
   }
   return Trajectory(std::move(poses));
-}
-
-// Reads the pose of camera 0 relative to the IMU.
-SE3 read_imu_from_camera0(const fs::path& file) {
-  if (!fs::exists(file)) throw InputError(file, "is missing", "download it with KITTI-360's calibration files");
-  for (const TextLine& line : read_text_lines(file))
-    if (line.size() > 0 && line.word(0) == "image_00:") {
-      const auto numbers = line.numbers<12>(1);
-      if (const auto motion = to_rigid(numbers)) return *motion;
-      line.fail(describe_rotation_problem(get_left_part(numbers)));
-    }
-  throw InputError(file, "has no entry image_00", "use the file as published by KITTI-360");
 }
 
 // Returns whether a class is of traffic, parked or not. The data set has boxes of buildings, poles and the ground as well.
@@ -243,18 +236,17 @@ DriveContents read_kitti_360(const fs::path& path, const ReadOptions& options) {
   Drive& drive = recording.drive;
   drive.path = path;
   const Kitti360Paths places(path);
-  for (const char* camera : {"image_00", "image_01"})
-    if (!list_rectified_images(path, camera).empty()) drive.camera_names.emplace_back(camera);
+  for (const char* camera : {"image_00", "image_01", "image_02", "image_03"})
+    if (!list_camera_images(path, camera).empty()) drive.camera_names.emplace_back(camera);
   if (drive.camera_names.empty())
-    fail_without_images(path / "image_00/data_rect", "holds no images of the perspective cameras",
-                        "put them into image_00/data_rect");
+    fail_without_images(path / "image_00/data_rect", "holds no images", "put them into image_00/data_rect");
   drive.camera_name = choose_camera(drive, options.camera, "image_00");
 
   const KittiCalibration calibration = read_kitti_360_calibration(places.calibration, drive.camera_name);
   drive.camera = calibration.camera;
   drive.camera_from_lidar = calibration.camera_from_lidar();
   drive.other_files = calibration.files;
-  const NumberedFiles images = list_rectified_images(path, drive.camera_name),
+  const NumberedFiles images = list_camera_images(path, drive.camera_name),
                       scans = list_numbered_files(places.scans / "data", {".bin"});
   const Kitti360Clock clock({&images, path / drive.camera_name / "timestamps.txt"}, {&scans, places.scans / "timestamps.txt"},
                             drive);
@@ -263,12 +255,14 @@ DriveContents read_kitti_360(const fs::path& path, const ReadOptions& options) {
     const cv::Size size = media::image_size(drive.frames.front().file);
     drive.camera.width = size.width, drive.camera.height = size.height;
   }
-  require_plausible(drive.camera, calibration.files.front(), "P_rect_" + drive.camera_name.substr(6));
+  const bool is_fisheye = is_kitti_360_fisheye(drive.camera_name);
+  require_plausible(drive.camera, is_fisheye ? calibration.files.back() : calibration.files.front(),
+                    is_fisheye ? drive.camera_name : "P_rect_" + drive.camera_name.substr(6));
   if (fs::exists(places.poses)) {
     const fs::path to_pose = places.calibration / "calib_cam_to_pose.txt";
     // calib_cam_to_velo is of the unrectified camera 0, rect0_from_lidar of the rectified one.
     const SE3 camera0_from_lidar = SE3{calibration.rect0_rotation.transpose(), {0, 0, 0}} * calibration.rect0_from_lidar;
-    drive.poses = read_imu_poses(places.poses, clock, read_imu_from_camera0(to_pose) * camera0_from_lidar);
+    drive.poses = read_imu_poses(places.poses, clock, read_kitti_360_camera_pose(to_pose, "image_00") * camera0_from_lidar);
     drive.other_files.insert(drive.other_files.end(), {to_pose, places.poses});
   }
   recording.gaps = find_kitti_gaps(drive, images, scans, options);
@@ -281,7 +275,7 @@ DriveContents read_kitti_360(const fs::path& path, const ReadOptions& options) {
   }
   if (!places.boxes.empty() && !drive.poses.empty())
     add_boxes(drive, places.boxes);
-  else if (!places.labels_2d.empty())
+  else if (!places.labels_2d.empty() && !is_fisheye)
     drive.warnings.push_back(
         fmt::format("the instance images are not used; to use them, give --masks {} --classes car,truck,bus,person,rider",
                     (places.labels_2d / drive.camera_name / "instance").string()));
@@ -290,17 +284,20 @@ DriveContents read_kitti_360(const fs::path& path, const ReadOptions& options) {
 }
 
 bool recognize_kitti_360(const fs::path& path) {
-  return fs::is_directory(path / "image_00/data_rect") || fs::is_directory(path / "image_01/data_rect");
+  return fs::is_directory(path / "image_00/data_rect") || fs::is_directory(path / "image_01/data_rect") ||
+         fs::is_directory(path / "image_02/data_rgb") || fs::is_directory(path / "image_03/data_rgb");
 }
 
 }  // namespace
 
 DriveFormat kitti_360_format() {
   return {"kitti-360",
-          "data_2d_raw/2013_05_28_drive_0000_sync with image_00/data_rect; calibration and data_3d_raw beside data_2d_raw",
+          "data_2d_raw/2013_05_28_drive_0000_sync with image_00/data_rect or image_02/data_rgb; calibration and data_3d_raw "
+          "beside data_2d_raw",
           recognize_kitti_360,
           read_kitti_360,
-          {"image_00/data_rect|image_01/data_rect", "image_00/timestamps.txt", "../../calibration/perspective.txt"},
+          {"image_00/data_rect|image_01/data_rect|image_02/data_rgb|image_03/data_rgb", "image_00/timestamps.txt",
+           "../../calibration/perspective.txt"},
           2};
 }
 

@@ -26,8 +26,12 @@ namespace {
 
 // Numbers are written with all digits that are needed to read them back exactly.
 std::string format_intrinsics(const Camera& c) {
-  const std::string text = fmt::format("K = [{}, 0, {}, 0, {}, {}, 0, 0, 1]\n", c.fx, c.cx, c.fy, c.cy);
-  return c.is_distorted() ? text + fmt::format("distortion = [{}]\n", fmt::join(c.distortion, ", ")) : text;
+  std::string text = fmt::format("K = [{}, 0, {}, 0, {}, {}, 0, 0, 1]\n", c.fx, c.cx, c.fy, c.cy);
+  if (c.model != CameraModel::pinhole) text += fmt::format("model = \"{}\"\n", to_string(c.model));
+  if (c.model == CameraModel::unified) text += fmt::format("xi = {}\n", c.xi);
+  if (c.is_distorted() && !c.coefficients().empty())
+    text += fmt::format("distortion = [{}]\n", fmt::join(c.coefficients(), ", "));
+  return text;
 }
 
 std::string format_camera(const Drive& drive) {

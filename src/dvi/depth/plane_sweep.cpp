@@ -146,7 +146,7 @@ Agreement compare_views(const Tile& tile, const std::vector<Eigen::Vector3d>& di
   Agreement out;
   for (std::size_t s = 0; s < tile.sources.size(); ++s) {
     const Eigen::Vector3d at = directions[s] + w * tile.sources[s].source_from_target.t;
-    if (tile.sources[s].read_contrast(at, at.z() / w, values[out.views])) ++out.views;
+    if (tile.sources[s].read_contrast(at, tile.sources[s].camera->depth(at) / w, values[out.views])) ++out.views;
   }
   const int n = out.views;
   if (n < 2) return out;
@@ -324,10 +324,7 @@ double find_searched_pixels(const depth::DepthMap& depth, Tile& tile) {
 /// Computes the displacement of a point in a source, in pixels per 1/m of inverse depth, at infinity.
 double compute_parallax(const Source& source, const Eigen::Vector3d& ray) {
   const Eigen::Vector3d x = source.source_from_target.R * ray;
-  const Eigen::Vector3d& t = source.source_from_target.t;
-  if (x.z() <= 0) return 0;
-  return std::hypot(source.camera->fx * (t.x() * x.z() - x.x() * t.z()), source.camera->fy * (t.y() * x.z() - x.y() * t.z())) /
-         (x.z() * x.z());
+  return source.camera->in_front(x) ? (source.camera->differentiate(x) * source.source_from_target.t).norm() : 0;
 }
 
 /// Divides the bounding boxes of the hole's parts into tiles with a margin.

@@ -39,7 +39,7 @@ std::optional<Motion> compute_motion(const FlowPair& pair, const SE3& camera_fro
 }
 
 bool is_in_front(const Camera& camera, const Eigen::Vector3d& x_in_camera) {
-  return x_in_camera.z() > kCameraFit.min_depth_m && camera.in_front(x_in_camera);
+  return camera.depth(x_in_camera) > kCameraFit.min_depth_m && camera.in_front(x_in_camera);
 }
 
 /// Computes the observed minus the predicted flow at a return, in units of its error; nothing if the flow is unknown.

@@ -167,6 +167,13 @@ std::vector<std::string> check_camera(const FlowPairs& pairs, const SE3& camera_
                           1 / *factor, *factor)};
   if (is_clearly_better(CameraFit(pairs, pairs.camera, camera_from_lidar.inverse())))
     return {"camera_from_lidar seems to be inverted: write the matrix that transforms points from LiDAR axes to camera axes"};
+  if (Camera fisheye = pairs.camera; !fisheye.is_wide()) {
+    fisheye.set_lens({.model = CameraModel::fisheye});
+    if (is_clearly_better(CameraFit(pairs, fisheye, camera_from_lidar)))
+      return {
+          "the images seem to be of a fisheye lens, not of a pinhole camera: set model = \"fisheye\" and its distortion in "
+          "dvi.toml"};
+  }
   if (given.compute_visible_share() < kCameraCheck.min_visible_share)
     return {"almost no returns of the LiDAR are within the image of the camera: check camera_from_lidar and K"};
   return describe(given, found, count);

@@ -20,7 +20,8 @@ std::vector<ImageReturn> project_returns(const Drive& drive, std::size_t frame, 
     if (!drive.camera.in_front(in_camera)) continue;
     const Eigen::Vector2d pixel = drive.camera.project(in_camera);
     if (!drive.camera.contains(pixel)) continue;
-    out.emplace_back(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), static_cast<float>(in_camera.z()));
+    out.emplace_back(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()),
+                     static_cast<float>(drive.camera.depth(in_camera)));
   }
   return out;
 }

@@ -101,15 +101,20 @@ cv::Mat1b draw_instances(const std::vector<Label>& labels, cv::Size size) {
 }
 
 bool draw_hull(const std::vector<Eigen::Vector3d>& points, const Camera& camera, cv::Mat1b& mask) {
-  std::vector<cv::Point> pixels, hull;
-  for (const Eigen::Vector3d& point : points) {
-    if (point.z() < kNearPlane) continue;
-    const Eigen::Vector2d p = camera.project(point);
-    pixels.push_back(to_drawing_pixel(p.x(), p.y()));
+  std::vector<Eigen::Vector2d> positions;
+  for (const Eigen::Vector3d& point : points)
+    if (is_beyond_near_plane(point, camera)) positions.push_back(camera.project(point));
+  if (positions.empty()) return false;
+  const double period = camera.period_px(), first = positions.front().x();
+  if (period > 0)  // a hull across the seam of a panorama is drawn at both sides
+    for (Eigen::Vector2d& p : positions) p.x() -= period * std::round((p.x() - first) / period);
+  for (const double turn : {0.0, -period, period}) {
+    std::vector<cv::Point> pixels, hull;
+    for (const Eigen::Vector2d& p : positions) pixels.push_back(to_drawing_pixel(p.x() + turn, p.y()));
+    cv::convexHull(pixels, hull);
+    cv::fillConvexPoly(mask, hull, 255);
+    if (period == 0) break;
   }
-  if (pixels.empty()) return false;
-  cv::convexHull(pixels, hull);
-  cv::fillConvexPoly(mask, hull, 255);
   return true;
 }
 

@@ -33,6 +33,12 @@ cv::Mat1b draw_instances(const std::vector<Label>& labels, cv::Size size);
 /// The distance in meters in front of the camera below which points are not projected.
 inline constexpr double kNearPlane = 0.3;
 
+/// Returns whether a point in camera axes can be drawn: it is beyond the near plane, or has a projection of a camera that is
+/// wide and that distance.
+inline bool is_beyond_near_plane(const Eigen::Vector3d& x, const Camera& camera) {
+  return camera.depth(x) >= kNearPlane && (!camera.is_wide() || camera.in_front(x));
+}
+
 /// Sets the convex hull of those points in camera axes that are beyond the near plane to 255. Returns false if there are none.
 bool draw_hull(const std::vector<Eigen::Vector3d>& points, const Camera& camera, cv::Mat1b& mask);
 

@@ -1,9 +1,13 @@
+#include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <span>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "dvi/core/threads.h"
+#include "dvi/exports/colmap_rigs.h"
 #include "dvi/exports/exporter.h"
 #include "dvi/exports/map_cloud.h"
 #include "dvi/exports/scene_files.h"
@@ -17,13 +21,25 @@ constexpr double kPixelCenterPx = 0.5;
 // Tracks of all points would make gigabytes of text.
 constexpr std::size_t kMaxTracks = 20'000;
 
+void require_known_model(const Result& result) {
+  for (const ResultCamera& camera : result.cameras())
+    if (const CameraModel model = camera.camera.model; model != CameraModel::pinhole && model != CameraModel::fisheye)
+      throw InputError(result.folder(), fmt::format("COLMAP has no {} cameras, as {} is", to_string(model), camera.name),
+                       "export the format mcap, ply, or las, which state the model or need none");
+}
+
 std::string format_camera(std::size_t id, const Camera& c) {
   const std::string pinhole = fmt::format("{} {} {:.12g} {:.12g} {:.12g} {:.12g}", c.width, c.height, c.fx, c.fy,
                                           c.cx + kPixelCenterPx, c.cy + kPixelCenterPx);
   if (!c.is_distorted()) return fmt::format("{} PINHOLE {}\n", id, pinhole);
-  const auto& [k1, k2, p1, p2, k3] = c.distortion;
-  if (k3 == 0) return fmt::format("{} OPENCV {} {:.12g} {:.12g} {:.12g} {:.12g}\n", id, pinhole, k1, k2, p1, p2);
-  return fmt::format("{} FULL_OPENCV {} {:.12g} {:.12g} {:.12g} {:.12g} {:.12g} 0 0 0\n", id, pinhole, k1, k2, p1, p2, k3);
+  const std::span<const double> k(c.distortion);
+  const auto with = [&](const char* model, std::size_t count) {
+    return fmt::format("{} {} {} {:.12g}\n", id, model, pinhole, fmt::join(k.first(count), " "));
+  };
+  if (c.model == CameraModel::fisheye) return with("OPENCV_FISHEYE", 4);
+  const auto others = k.subspan(4);
+  const bool is_short = std::all_of(others.begin(), others.end(), [](double value) { return value == 0; });
+  return is_short ? with("OPENCV", 4) : with("FULL_OPENCV", 8);
 }
 
 // The observation of a point in an image.
@@ -43,11 +59,12 @@ std::vector<Observation> find_observations(const Result& result, std::size_t fra
   std::vector<Observation> seen;
   for (std::size_t i = 0; i < cloud.size(); i += every) {
     const Eigen::Vector3d x = camera_from_world * cloud[i].position.cast<double>();
-    if (x.z() < kMinDepthM || !camera.in_front(x)) continue;
+    const double depth_m = camera.depth(x);
+    if (depth_m < kMinDepthM || !camera.in_front(x)) continue;
     const Eigen::Vector2d pixel = camera.project(x);
     if (!camera.contains(pixel)) continue;
     const cv::Point nearest(cvRound(pixel.x()), cvRound(pixel.y()));
-    if (evidence(nearest) != 0 && std::abs(depth(nearest) - x.z()) <= kMaxDepthError * x.z()) seen.push_back({i, pixel});
+    if (evidence(nearest) != 0 && std::abs(depth(nearest) - depth_m) <= kMaxDepthError * depth_m) seen.push_back({i, pixel});
   }
   return seen;
 }
@@ -77,6 +94,7 @@ void write_points(const fs::path& file, const std::vector<CloudPoint>& cloud, co
 }
 
 ExportReport write_colmap(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
+  require_known_model(result);
   write_images_and_masks(result, folder, ".png.png", progress);
   std::vector<CloudPoint> cloud = read_map_cloud(result.folder() / "map/map.ply");
   std::erase_if(cloud, [](const CloudPoint& p) { return !p.colored(); });
@@ -100,6 +118,9 @@ ExportReport write_colmap(const Result& result, const fs::path& folder, const Ex
   for (std::size_t k = 0; k < result.cameras().size(); ++k) cameras += format_camera(k + 1, result.cameras()[k].camera);
   write_file(model / "cameras.txt", cameras);
   write_file(model / "images.txt", images);
+  const ColmapRigs rigs = describe_rigs(result);
+  write_file(model / "rigs.txt", rigs.rigs);
+  write_file(model / "frames.txt", rigs.frames);
   write_points(model / "points3D.txt", cloud, tracks);
   return {{"sparse/0", "images", "masks"},
           {{"images", static_cast<double>(seen.size())},

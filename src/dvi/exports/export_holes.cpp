@@ -9,6 +9,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/exports/exporter.h"
 #include "dvi/exports/scene_files.h"
+#include "dvi/geometry/camera_json.h"
 #include "dvi/image/region.h"
 #include "dvi/media/write_image.h"
 
@@ -22,12 +23,11 @@ nlohmann::json make_camera(const Result& result, const ResultFrame& frame) {
   nlohmann::json rows = nlohmann::json::array();
   for (int r = 0; r < 3; ++r) rows.push_back({pose.R(r, 0), pose.R(r, 1), pose.R(r, 2), pose.t[r]});
   rows.push_back({0, 0, 0, 1});
-  return {{"camera", name},
-          {"time_s", static_cast<double>(frame.time_ns) / 1e9},
-          {"size", {c.width, c.height}},
-          {"K", {c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1}},
-          {"distortion", c.distortion},
-          {"world_from_camera", rows}};
+  nlohmann::json out = to_json(c);
+  out["camera"] = name;
+  out["time_s"] = static_cast<double>(frame.time_ns) / 1e9;
+  out["world_from_camera"] = rows;
+  return out;
 }
 
 ExportReport write_holes(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {

@@ -45,9 +45,29 @@ void write_cloud(const fs::path& file, const std::vector<CloudPoint>& cloud) {
 
 // Returns the intrinsics. The pixel centers of nerfstudio are at (0.5, 0.5), as in COLMAP.
 nlohmann::json make_intrinsics(const Camera& c) {
-  return {{"w", c.width},          {"h", c.height},         {"fl_x", c.fx},          {"fl_y", c.fy},
-          {"cx", c.cx + 0.5},      {"cy", c.cy + 0.5},      {"k1", c.distortion[0]}, {"k2", c.distortion[1]},
-          {"p1", c.distortion[2]}, {"p2", c.distortion[3]}, {"k3", c.distortion[4]}};
+  nlohmann::json out{{"w", c.width}, {"h", c.height}, {"fl_x", c.fx}, {"fl_y", c.fy}, {"cx", c.cx + 0.5}, {"cy", c.cy + 0.5}};
+  const bool is_fisheye = c.model == CameraModel::fisheye;
+  const std::vector<const char*> names =
+      is_fisheye ? std::vector{"k1", "k2", "k3", "k4"} : std::vector{"k1", "k2", "p1", "p2", "k3"};
+  for (std::size_t k = 0; k < names.size(); ++k) out[names[k]] = c.distortion[k];
+  return out;
+}
+
+// Returns the name of the model of all cameras.
+std::string find_model(const Result& result) {
+  const CameraModel model = result.cameras().front().camera.model;
+  for (const auto& [name, camera] : result.cameras()) {
+    if (camera.model != model)
+      throw InputError(result.folder(),
+                       fmt::format("nerfstudio's cameras have one model, but {} is {} and {} is {}", name,
+                                   to_string(camera.model), result.cameras().front().name, to_string(model)),
+                       "export the result of a run with --camera for each model");
+    if (camera.coefficients().size() > 5 || camera.model == CameraModel::unified || camera.model == CameraModel::cylindrical)
+      throw InputError(result.folder(), fmt::format("nerfstudio has no cameras with the distortion of {}", name),
+                       "undistort the images first, or export the format colmap");
+  }
+  if (model == CameraModel::fisheye) return "OPENCV_FISHEYE";
+  return model == CameraModel::equirectangular ? "EQUIRECTANGULAR" : "OPENCV";
 }
 
 // The intrinsics of several cameras are those of each frame.
@@ -61,12 +81,13 @@ nlohmann::json make_transforms(const Result& result) {
                       {"transform_matrix", to_opengl_pose(frame.world_from_camera)}});
     if (!has_one) frames.back().update(make_intrinsics(result.cameras()[frame.camera].camera));
   }
-  nlohmann::json out{{"camera_model", "OPENCV"}, {"frames", frames}, {"ply_file_path", "map.ply"}};
+  nlohmann::json out{{"camera_model", find_model(result)}, {"frames", frames}, {"ply_file_path", "map.ply"}};
   if (has_one) out.update(make_intrinsics(result.cameras().front().camera));
   return out;
 }
 
 ExportReport write_nerfstudio(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
+  find_model(result);
   write_images_and_masks(result, folder, ".png", progress);
   make_folders_of_cameras(result, folder / "depth");
   parallel_for(result.frames().size(), [&](std::size_t i) {

@@ -81,11 +81,12 @@ void add_frame(const Result& result, std::size_t number, const GroundRaster& gro
       if (std::isnan(ground.height(row, column))) continue;
       const Eigen::Vector3d world = ground.middle(row, column), x = camera_from_world * world;
       const auto distance = static_cast<float>((world - eye).norm());
-      if (x.z() < kMinDepthM || distance >= ortho.distance(row, column) || !camera.in_front(x)) continue;
+      const double depth_m = camera.depth(x);
+      if (depth_m < kMinDepthM || distance >= ortho.distance(row, column) || !camera.in_front(x)) continue;
       const Eigen::Vector2d pixel = camera.project(x);
       if (!camera.contains(pixel)) continue;
       const cv::Point nearest(cvRound(pixel.x()), cvRound(pixel.y()));
-      if (seen.evidence(nearest) == 0 || std::abs(seen.depth(nearest) - x.z()) > kMaxDepthError * x.z()) continue;
+      if (seen.evidence(nearest) == 0 || std::abs(seen.depth(nearest) - depth_m) > kMaxDepthError * depth_m) continue;
       ortho.distance(row, column) = distance;
       ortho.color(row, column) = seen.image(nearest);
       const std::size_t source = seen.source_at(nearest, number);

@@ -12,6 +12,7 @@
 #include "dvi/core/error.h"
 #include "dvi/core/json_file.h"
 #include "dvi/core/text.h"
+#include "dvi/geometry/camera_json.h"
 #include "dvi/geometry/rigid.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/media/image_file.h"
@@ -21,12 +22,6 @@ namespace dvi::exports {
 namespace {
 
 constexpr const char* kRunAgain = "run the same dvi run again, which completes the result";
-
-Camera to_camera(const nlohmann::json& entry) {
-  const auto size = entry.at("size").get<std::array<int, 2>>();
-  const auto K = entry.at("K").get<std::array<double, 9>>();
-  return {size[0], size[1], K[0], K[4], K[2], K[5], entry.at("distortion").get<std::array<double, 5>>()};
-}
 
 // Passes a JSON document of a result to `take`.
 template <class Take>
@@ -106,7 +101,7 @@ void Result::read_sources(std::size_t cameras) {
       throw InputError(file, "does not state the cameras: it was written by an earlier version of dvi", kRunAgain);
     for (std::size_t k = 0; k < cameras; ++k) {
       const nlohmann::json& camera = table.at("cameras").at(k);
-      cameras_.push_back({camera.at("camera").get<std::string>(), to_camera(camera)});
+      cameras_.push_back({camera.at("camera").get<std::string>(), camera_from_json(camera)});
     }
     for (std::size_t i = 0; i < frames_.size(); ++i) {  // the frames of the target are the first sources
       const nlohmann::json& source = table.at("sources").at(i);

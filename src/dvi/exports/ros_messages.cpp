@@ -121,12 +121,27 @@ std::string compressed_image(const Header& header, const std::string& format, co
   return Cdr().header(header.time_ns, header.frame_id).text(format).blob(bytes).bytes();
 }
 
+// The names are those of sensor_msgs/distortion_models; it has none for the unified model and panoramas.
+std::string name_distortion(const Camera& c) {
+  if (c.model == CameraModel::fisheye) return "equidistant";
+  if (c.model != CameraModel::pinhole) return to_string(c.model);
+  return c.coefficients().size() > 5 ? "rational_polynomial" : "plumb_bob";
+}
+
+// The unified model has its xi before the coefficients.
+std::vector<double> list_coefficients(const Camera& c) {
+  std::vector<double> out(c.coefficients().begin(), c.coefficients().end());
+  if (c.model == CameraModel::unified) out.insert(out.begin(), c.xi);
+  return out;
+}
+
 std::string camera_info(const Header& header, const Camera& c) {
   Cdr out;
   out.header(header.time_ns, header.frame_id)
       .count(static_cast<std::size_t>(c.height))
       .count(static_cast<std::size_t>(c.width));
-  out.text("plumb_bob").count(c.distortion.size()).numbers(c.distortion);
+  const std::vector<double> D = list_coefficients(c);
+  out.text(name_distortion(c)).count(D.size()).numbers(D);
   out.numbers(std::array{c.fx, 0., c.cx, 0., c.fy, c.cy, 0., 0., 1.});
   out.numbers(std::array{1., 0., 0., 0., 1., 0., 0., 0., 1.});
   out.numbers(std::array{c.fx, 0., c.cx, 0., 0., c.fy, c.cy, 0., 0., 0., 1., 0.});

@@ -157,7 +157,9 @@ std::optional<cv::Point2f> project_surface(const Surface& surface, const Camera&
   const cv::Point2f at = quantize(p.x(), p.y());
   if (!camera.contains({at.x, at.y}) || visible.clearance_px(at) < kIllumination.margin_px) return std::nullopt;
   constexpr double kTolerance = kIllumination.depth_tolerance;
-  if (visible.occludes(at, x.z(), kTolerance) || visible.is_farther(at, x.z(), kTolerance)) return std::nullopt;
+  if (const double depth_m = camera.depth(x);
+      visible.occludes(at, depth_m, kTolerance) || visible.is_farther(at, depth_m, kTolerance))
+    return std::nullopt;
   return at;
 }
 

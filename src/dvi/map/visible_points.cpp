@@ -24,9 +24,10 @@ bool is_beyond(const Eigen::AlignedBox3f& bounds, const Eigen::Vector3f& eye, co
   return bounds.squaredExteriorDistance(eye) > farthest * farthest;
 }
 
-/// Returns whether all corners of the tile are outside the same side of the view.
+/// Returns whether all corners of the tile are outside the same side of the view. A wide camera has no such sides.
 bool is_outside(const Eigen::AlignedBox3f& bounds, const View& view) {
   const Camera& c = view.camera;
+  if (c.is_wide()) return false;
   const double left = (-kCullMargin * c.width - c.cx) / c.fx, right = ((1 + kCullMargin) * c.width - c.cx) / c.fx;
   const double top = (-kCullMargin * c.height - c.cy) / c.fy, bottom = ((1 + kCullMargin) * c.height - c.cy) / c.fy;
   const double far = compute_far_plane_m(c);
@@ -83,11 +84,12 @@ ZBuffer project(const StaticMap& map, const View& view) {
     for (std::size_t i = tile.first; i < tile.last; ++i) {
       if (!map.points[i].is_present_in(static_cast<std::size_t>(view.drive))) continue;
       const Eigen::Vector3d p = view.camera_from_world * map.points[i].position.cast<double>();
-      if (p.z() < kNearPlaneM || p.z() > far || (is_distorted && !view.camera.in_front(p))) continue;
+      const double depth_m = view.camera.depth(p);
+      if (depth_m < kNearPlaneM || depth_m > far || (is_distorted && !view.camera.in_front(p))) continue;
       const Eigen::Vector2d pixel = view.camera.project(p);
       const float u = static_cast<float>(pixel.x()), v = static_cast<float>(pixel.y());
       if (std::abs(u) < 1e6F && std::abs(v) < 1e6F)
-        buffer.add({static_cast<float>(p.z()), u, v, static_cast<std::uint32_t>(i)});
+        buffer.add({static_cast<float>(depth_m), u, v, static_cast<std::uint32_t>(i)});
     }
   }
   return buffer;

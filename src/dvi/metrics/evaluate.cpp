@@ -107,8 +107,8 @@ ScoredFrame load(const EvaluationFolders& folders, const ExternalFrames* externa
   const cv::Mat1b changed(removed | frame.scored);
   if (external)
     media::read_image(find_frame(*external, name), size).copyTo(frame.result, changed);
-  else if (const fs::path file = folders.out / picture_file("confidence", name); fs::is_directory(file.parent_path()))
-    frame.confidence = media::read_png_gray(file, size);
+  else if (const fs::path values = folders.out / picture_file("confidence", name); fs::is_directory(values.parent_path()))
+    frame.confidence = media::read_png_gray(values, size);
   frame.clean = frame.result.clone();
   frame.truth.copyTo(frame.clean, changed);
   if (!folders.ignore.empty() && fs::exists(folders.ignore / file))

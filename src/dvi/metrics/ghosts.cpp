@@ -32,13 +32,14 @@ struct Crossing {
 // A box in the axes of a camera, shrunk to the inner share of its object.
 class VisibleBox {
  public:
-  VisibleBox(std::size_t object, const Box& world, const SE3& camera_from_world)
+  VisibleBox(std::size_t object, const Box& world, const GhostSource& camera)
       : object_(object),
-        box_from_camera_((camera_from_world * world.frame_from_box).inverse()),
-        half_(0.5 * kGhost.inner_share * world.size) {
-    const Box in_camera{camera_from_world * world.frame_from_box, kGhost.inner_share * world.size};
+        box_from_camera_((camera.camera_from_world * world.frame_from_box).inverse()),
+        half_(0.5 * kGhost.inner_share * world.size),
+        is_visible_(camera.camera.is_wide()) {
+    const Box in_camera{camera.camera_from_world * world.frame_from_box, kGhost.inner_share * world.size};
     for (const Eigen::Vector3d& corner : in_camera.corners()) {
-      farthest_m_ = std::max(farthest_m_, corner.z());
+      is_visible_ |= corner.z() > 0;
       if (corner.z() > 0)
         silhouette_.extend(Eigen::Vector2d(corner.head<2>() / corner.z()));
       else
@@ -47,13 +48,13 @@ class VisibleBox {
   }
 
   std::size_t object() const { return object_; }
-  // Whether a part of the box is in front of the camera.
-  bool is_visible() const { return farthest_m_ > 0; }
+  // Whether a part of the box may be in the image.
+  bool is_visible() const { return is_visible_; }
 
-  // Returns the depths between which a ray (z = 1) of the camera is inside the box; nothing if it passes the box, or if the
-  // camera is inside.
+  // Returns the depths between which a ray (of depth 1) of the camera is inside the box; nothing if it passes the box, or if
+  // the camera is inside.
   std::optional<Crossing> cross(const Eigen::Vector3d& ray) const {
-    if (is_in_front_ && !silhouette_.contains(ray.head<2>())) return std::nullopt;
+    if (is_in_front_ && !(ray.z() > 0 && silhouette_.contains(Eigen::Vector2d(ray.head<2>() / ray.z())))) return std::nullopt;
     const Eigen::Vector3d direction = box_from_camera_.R * ray;
     Crossing out{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
     for (int axis = 0; axis < 3; ++axis) {
@@ -76,7 +77,7 @@ class VisibleBox {
   Eigen::Vector3d half_;
   Eigen::AlignedBox2d silhouette_;  // bounds at z = 1, if all of the box is in front of the camera
   bool is_in_front_ = true;
-  double farthest_m_ = -std::numeric_limits<double>::infinity();
+  bool is_visible_;
 };
 
 // The boxes that a camera may show.
@@ -84,7 +85,7 @@ class VisibleBoxes {
  public:
   VisibleBoxes(const std::vector<StationaryObject>& objects, const GhostSource& camera) {
     for (std::size_t i = 0; i < objects.size(); ++i)
-      if (VisibleBox box(i, objects[i].world, camera.camera_from_world); box.is_visible()) {
+      if (VisibleBox box(i, objects[i].world, camera); box.is_visible()) {
         boxes_.push_back(box);
         const auto outline = camera.outlines.find(objects[i].track);
         outlines_.emplace_back();
@@ -186,7 +187,7 @@ class FrameCounter {
     const SE3 source_from_target = source->camera_from_world * target_.camera_from_world.inverse();
     for (const cv::Point p : pixels) {
       const cv::Point2f position = decode(p).position;
-      const double depth_m = (source_from_target * find_point(p)).z();
+      const double depth_m = source->camera.depth(source_from_target * find_point(p));
       const auto shown = boxes.judge(position, source->camera.ray({position.x, position.y}), depth_m);
       ++out_.counts.copied;
       out_.counts.ghosts += shown == VisibleBoxes::Shown::ghost;

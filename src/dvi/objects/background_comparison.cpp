@@ -59,7 +59,7 @@ std::vector<HalfSizePixel> BackgroundComparison::find_background(std::size_t tar
       if (where(y, x) == 0) continue;
       const auto ground = intersect_ground(view, world_from_camera, *ground_, {x, y});
       const double z = (*depth)(y, x) > 0 ? static_cast<double>((*depth)(y, x)) : kComparison.no_return_depth_m;
-      const bool on_ground = ground && (view.camera_from_world * *ground).z() < z;
+      const bool on_ground = ground && view.camera.depth(view.camera_from_world * *ground) < z;
       const Eigen::Vector3d surface = world_from_camera * Eigen::Vector3d(z * view.camera.ray(to_full_size({x, y})));
       out.push_back({{x, y}, on_ground ? *ground : surface, on_ground});
     }

@@ -115,7 +115,9 @@ void BackgroundViews::add_colors(std::size_t source, const BackgroundQuery& quer
   const View &view = views_[source], &own_view = views_[query.target];
   const auto gain = estimate_gain(view, *half, query);
   if (!gain) return;
-  const auto depth = [](const View& from, const Eigen::Vector3d& world) { return (from.camera_from_world * world).z(); };
+  const auto depth = [](const View& from, const Eigen::Vector3d& world) {
+    return from.camera.depth(from.camera_from_world * world);
+  };
   for (std::size_t i = 0; i < query.pixels.size(); ++i) {
     const Eigen::Vector3d& world = query.pixels[i].world;
     if (depth(view, world) > max_distance_ratio_ * depth(own_view, world)) continue;

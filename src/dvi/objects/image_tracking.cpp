@@ -210,7 +210,7 @@ class ImageTracker {
     const Eigen::Vector3d a = center_in_camera(from), b = center_in_camera(to);
     if (!view(from).camera.in_front(a) || !view(to).camera.in_front(b)) return std::nullopt;
     const Eigen::Vector2d p = view(from).camera.project(a), q = view(to).camera.project(b);
-    return Similarity{{p.x(), p.y()}, {q.x(), q.y()}, a.z() / b.z()};
+    return Similarity{{p.x(), p.y()}, {q.x(), q.y()}, view(from).camera.depth(a) / view(to).camera.depth(b)};
   }
 
   // Returns whether a hull is farther beside the predicted position than the motion of an object allows.
@@ -218,7 +218,8 @@ class ImageTracker {
     const Eigen::Vector3d x = center_in_camera(at);
     if (!view(at).camera.in_front(x)) return true;
     const double t = seconds_between(start_ns, view(at).time_ns);
-    const double offset_m = std::abs(find_center(hull).x - view(at).camera.project(x).x()) * x.z() / view(at).camera.fx;
+    const Camera& camera = view(at).camera;
+    const double offset_m = std::abs(find_center(hull).x - camera.project(x).x()) * camera.depth(x) / camera.fx;
     return offset_m > kImageTracking.max_position_error_m + 0.5 * track_.size_m.maxCoeff() +
                           0.5 * kImageTracking.max_acceleration_mps2 * t * t;
   }

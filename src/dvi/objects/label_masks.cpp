@@ -9,10 +9,22 @@
 namespace dvi::objects {
 namespace {
 
-// Returns the corners of the part of a box in front of the camera. Edges are clipped at the near plane.
-std::vector<Eigen::Vector3d> find_visible_corners(const Box& box, const SE3& camera_from_lidar) {
+// Returns points along the edges of a box, which are curves in the image of a wide camera.
+std::vector<Eigen::Vector3d> sample_edges(const std::array<Eigen::Vector3d, 8>& corners) {
+  constexpr int kParts = 12;
+  std::vector<Eigen::Vector3d> out;
+  for (int i = 0; i < 8; ++i)
+    for (const int bit : {1, 2, 4})
+      for (int k = 0; (i & bit) == 0 && k <= kParts; ++k)
+        out.emplace_back(corners[i] + static_cast<double>(k) / kParts * (corners[i | bit] - corners[i]));
+  return out;
+}
+
+// Returns points whose hull is the part of a box in front of the camera. Edges are clipped at the near plane.
+std::vector<Eigen::Vector3d> find_visible_corners(const Box& box, const Camera& camera, const SE3& camera_from_lidar) {
   std::array<Eigen::Vector3d, 8> corners = box.corners();
   for (Eigen::Vector3d& c : corners) c = camera_from_lidar * c;
+  if (camera.is_wide()) return sample_edges(corners);
   std::vector<Eigen::Vector3d> visible;
   for (int i = 0; i < 8; ++i) {
     if (corners[i].z() >= kNearPlane) visible.push_back(corners[i]);
@@ -49,11 +61,12 @@ cv::Mat1b draw_label(const Label& label, const Camera& camera, const SE3& camera
   if (label.instance) {
     draw(*label.instance, mask);
     if (label.box)
-      draw_hull(find_visible_corners(make_footprint(*label.box, options.footprint_margin_m), camera_from_lidar), camera, mask);
+      draw_hull(find_visible_corners(make_footprint(*label.box, options.footprint_margin_m), camera, camera_from_lidar), camera,
+                mask);
   } else if (label.box) {
     Box box = *label.box;
     box.size.array() += 2 * options.box_margin_m;
-    draw_hull(find_visible_corners(box, camera_from_lidar), camera, mask);
+    draw_hull(find_visible_corners(box, camera, camera_from_lidar), camera, mask);
   } else if (label.rect) {
     const cv::Rect2d& r = *label.rect;
     const cv::Point corner = to_drawing_pixel(std::floor(r.x), std::floor(r.y));

@@ -47,11 +47,11 @@ cv::Mat1f find_nearest_depths(const RigCamera& view, const std::vector<Eigen::Ve
   cv::Mat1f out(count_blocks(view.camera), kNoDepth);
   for (const Eigen::Vector3d& point : returns) {
     const Eigen::Vector3d p = view.camera_from_world * point;
-    if (p.z() < kNearPlane || !view.camera.in_front(p)) continue;
+    if (view.camera.depth(p) < kNearPlane || !view.camera.in_front(p)) continue;
     const Eigen::Vector2d pixel = view.camera.project(p);
     if (!view.camera.contains(pixel)) continue;
     float& depth = out(cvRound(pixel.y()) / kReprojection.block_px, cvRound(pixel.x()) / kReprojection.block_px);
-    depth = std::min(depth, static_cast<float>(p.z()));
+    depth = std::min(depth, static_cast<float>(view.camera.depth(p)));
   }
   return out;
 }
@@ -80,7 +80,7 @@ std::array<Eigen::Vector2d, 2> reproject_block(const cv::Rect& block, float dept
     for (const int y : {block.y, block.y + block.height}) {
       const Eigen::Vector3d p =
           cameras.to_from_from * Eigen::Vector3d(static_cast<double>(depth) * cameras.from.ray({x - 0.5, y - 0.5}));
-      const Eigen::Vector2d pixel = p.z() < kNearPlane ? Eigen::Vector2d(-1e9, -1e9) : cameras.to.project(p);
+      const Eigen::Vector2d pixel = is_beyond_near_plane(p, cameras.to) ? cameras.to.project(p) : Eigen::Vector2d(-1e9, -1e9);
       low = low.cwiseMin(pixel);
       high = high.cwiseMax(pixel);
     }

@@ -79,10 +79,10 @@ void fill_gaps(cv::Mat1f& depth) {
 void draw_returns(const StaticReturns& returns, const View& view, cv::Mat1f& depth) {
   for (const Eigen::Vector3f& point : returns) {
     const Eigen::Vector3d x = view.camera_from_world * Eigen::Vector3d(point.cast<double>());
-    if (x.z() < kStaticDepth.min_depth_m || !view.camera.in_front(x)) continue;
+    if (view.camera.depth(x) < kStaticDepth.min_depth_m || !view.camera.in_front(x)) continue;
     const cv::Point2f at = to_half_size(view.camera.project(x));
     if (at.x > -1 && at.y > -1 && at.x < static_cast<float>(depth.cols) && at.y < static_cast<float>(depth.rows))
-      draw_depth(depth, {cvRound(at.x), cvRound(at.y)}, static_cast<float>(x.z()));
+      draw_depth(depth, {cvRound(at.x), cvRound(at.y)}, static_cast<float>(view.camera.depth(x)));
   }
 }
 

@@ -135,7 +135,7 @@ std::optional<Label> draw_outline(const Track& track, std::int64_t time_ns, cons
   double nearest = 1e9;
   for (const Eigen::Vector3d& x : body.points) {
     in_camera.push_back(camera_from_world * x);
-    if (in_camera.back().z() >= kNearPlane) nearest = std::min(nearest, in_camera.back().z());
+    if (is_beyond_near_plane(in_camera.back(), camera)) nearest = std::min(nearest, camera.depth(in_camera.back()));
   }
   for (const Eigen::Vector3d& x : body.feet)
     for (const double dx : {-view.footprint_m, view.footprint_m})

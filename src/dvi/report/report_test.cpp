@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/geometry/camera_json.h"
 #include "dvi/harmonize/provenance.h"
 #include "dvi/media/image_file.h"
 #include "dvi/media/write_image.h"
@@ -178,8 +179,7 @@ TEST(UnobservedCells, AreAtThePositionsOfTheirPixels) {
   pictures.depth = cv::Mat1w(9, 9, ushort{256 * 4});
   pictures.kind(4, 4) = 3;
   pictures.kind(4, 8) = 1;
-  const nlohmann::json above{{"camera", {9, 9, 8, 8, 4, 4}},
-                             {"distortion", {0, 0, 0, 0, 0}},
+  const nlohmann::json above{{"camera", dvi::to_json(Camera{9, 9, 8, 8, 4, 4})},
                              {"world_from_camera", {{0, 0, 1, 10.25, -1, 0, 0, 0.25, 0, -1, 0, 0}}}};
   const UnobservedCells cells = find_unobserved_cells(pictures, 0, above);
   ASSERT_EQ(cells.size(), 1U);

@@ -8,6 +8,7 @@
 
 #include "dvi/core/json_text.h"
 #include "dvi/core/scratch.h"
+#include "dvi/geometry/camera_json.h"
 #include "dvi/geometry/rigid.h"
 #include "dvi/media/write_image.h"
 
@@ -82,15 +83,13 @@ void write_top_view(const fs::path& folder, const TopView& view) {
   nlohmann::json poses = nlohmann::json::array(), tracks = nlohmann::json::array();
   for (const SE3& pose : view.world_from_camera) poses.push_back(to_row_major(pose));
   for (const ObjectPath& track : view.tracks) tracks.push_back(to_json(track));
-  const Camera& c = view.camera;
-  write_file(folder / "above.json", json_text({{"schema", "dvi-above/1"},
+  write_file(folder / "above.json", json_text({{"schema", "dvi-above/2"},
                                                {"left_m", raster.left},
                                                {"top_m", raster.top},
                                                {"meters_per_px", raster.meters},
                                                {"width", raster.size.width},
                                                {"height", raster.size.height},
-                                               {"camera", {c.width, c.height, c.fx, c.fy, c.cx, c.cy}},
-                                               {"distortion", c.distortion},
+                                               {"camera", to_json(view.camera)},
                                                {"world_from_camera", poses},
                                                {"tracks", tracks}},
                                               -1) +

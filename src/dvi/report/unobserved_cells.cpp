@@ -6,24 +6,13 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
-#include "dvi/geometry/camera.h"
+#include "dvi/geometry/camera_json.h"
 #include "dvi/harmonize/filled_frame.h"
 
 namespace dvi::report {
 namespace {
 
 constexpr int kStepPx = 4;  // smaller than a cell up to a large depth
-
-Camera read_camera(const nlohmann::json& above) {
-  const auto numbers = above.at("camera").get<std::array<double, 6>>();
-  return {.width = static_cast<int>(numbers[0]),
-          .height = static_cast<int>(numbers[1]),
-          .fx = numbers[2],
-          .fy = numbers[3],
-          .cx = numbers[4],
-          .cy = numbers[5],
-          .distortion = above.at("distortion").get<std::array<double, 5>>()};
-}
 
 UnobservedCells find_cells(const FramePictures& pictures, std::size_t frame, const nlohmann::json& above) {
   UnobservedCells cells;
@@ -33,7 +22,7 @@ UnobservedCells find_cells(const FramePictures& pictures, std::size_t frame, con
   const auto pose = poses[frame].get<std::array<double, 12>>();
   const Eigen::Matrix<double, 3, 4> world_from_camera =
       Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(pose.data());
-  const Camera camera = read_camera(above);
+  const Camera camera = camera_from_json(above.at("camera"));
   for (int y = 0; y < pictures.kind.rows; y += kStepPx)
     for (int x = 0; x < pictures.kind.cols; x += kStepPx) {
       const ushort depth = pictures.depth(y, x);

@@ -5,18 +5,17 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/files.h"
+#include "dvi/geometry/camera_json.h"
 
 namespace dvi::result {
 namespace {
 
 /// Returns the calibration of a camera in the form of dvi.toml of the plain layout.
 nlohmann::json camera_json(const Drive& drive) {
-  const Camera& c = drive.camera;
-  return {{"drive", fs::absolute(drive.path).lexically_normal().string()},
-          {"camera", drive.camera_name},
-          {"size", {c.width, c.height}},
-          {"K", {c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1}},
-          {"distortion", c.distortion}};
+  nlohmann::json out = to_json(drive.camera);
+  out["drive"] = fs::absolute(drive.path).lexically_normal().string();
+  out["camera"] = drive.camera_name;
+  return out;
 }
 
 }  // namespace

@@ -44,7 +44,9 @@ std::vector<ItemInProgress> list_items(const std::vector<std::size_t>& targets, 
   for (std::size_t i = 0; i < order.size(); ++i) item_of[order[i]] = i;
   std::vector<ItemInProgress> items;
   for (const std::size_t view : order) {
-    ItemInProgress item{.view = view, .is_written = std::binary_search(targets.begin(), targets.end(), view)};
+    ItemInProgress item;
+    item.view = view;
+    item.is_written = std::binary_search(targets.begin(), targets.end(), view);
     for (const std::size_t neighbor : list_neighbors(views, view))
       if (const auto found = item_of.find(neighbor); smooth && found != item_of.end())
         (neighbor < view ? item.previous : item.next) = found->second;

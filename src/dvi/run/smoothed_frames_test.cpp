@@ -33,7 +33,8 @@ struct Recorded {
 Views make_views(std::size_t count) {
   Views out;
   for (std::size_t i = 0; i < count; ++i)
-    out.views.push_back({.frame = i, .time_ns = static_cast<std::int64_t>(i) * 1000000000});
+    out.views.push_back(
+        {.frame = i, .time_ns = static_cast<std::int64_t>(i) * 1000000000, .camera = {}, .camera_from_world = {}});
   return out;
 }
 
@@ -100,7 +101,11 @@ TEST(SmoothedFrames, CamerasAreFilledInTurnAndSmoothedApart) {
   Views all = make_views(3);
   all.cleaned_sequences = 2;
   for (std::size_t i = 0; i < 3; ++i)
-    all.views.push_back({.sequence = 1, .frame = i, .time_ns = static_cast<std::int64_t>(i) * 1000000000 + 1});
+    all.views.push_back({.sequence = 1,
+                         .frame = i,
+                         .time_ns = static_cast<std::int64_t>(i) * 1000000000 + 1,
+                         .camera = {},
+                         .camera_from_world = {}});
   const ThreadLimit limit(1);
   std::vector<std::size_t> order;
   FrameSteps steps;

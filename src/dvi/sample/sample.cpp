@@ -85,7 +85,7 @@ class Source {
  private:
   std::optional<SourcePosition> project(const SurfacePixel& pixel) const {
     const bool is_other_sky = is_other_drive_ || source_from_target_.t.norm() > kSourceScore.max_sky_distance_m;
-    if (is_other_sky && pixel.at.z() >= depth::DepthMap::kInfinity) return std::nullopt;
+    if (is_other_sky && pixel.depth_m >= depth::DepthMap::kInfinity) return std::nullopt;
     std::optional<SourcePosition> projection = locate(pixel, view_.camera, source_from_target_);
     if (!projection) return std::nullopt;
     const cv::Point2f at = quantize(projection->position.x(), projection->position.y());

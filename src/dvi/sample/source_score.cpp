@@ -42,7 +42,7 @@ std::vector<SurfacePixel> find_surface_pixels(const Region& hole, const Camera& 
     const float below = depth_after(select_step(inverse(x, y - 1), here, inverse(x, y + 1)));
     const Eigen::Vector3d at = z * camera.ray({x, y});
     const double sigma = depth.sigma(y, x);
-    out.push_back({i, at, right * camera.ray({x + 1, y}), below * camera.ray({x, y + 1}), at * (1 + sigma / at.z()), sigma});
+    out.push_back({i, at, right * camera.ray({x + 1, y}), below * camera.ray({x, y + 1}), at * (1 + sigma / z), sigma, z});
   }
   return out;
 }
@@ -50,7 +50,7 @@ std::vector<SurfacePixel> find_surface_pixels(const Region& hole, const Camera& 
 std::optional<SourcePosition> locate(const SurfacePixel& pixel, const Camera& source, const SE3& source_from_target) {
   const Eigen::Vector3d x = source_from_target * pixel.at;
   if (!source.in_front(x)) return std::nullopt;
-  const SourcePosition out{source.project(x), x.z()};
+  const SourcePosition out{source.project(x), source.depth(x)};
   return source.contains(out.position) ? std::optional(out) : std::nullopt;
 }
 

@@ -20,6 +20,7 @@ struct SurfacePixel {
   Eigen::Vector3d at, right, below;  ///< The points of the pixel and of its right and lower neighbor, on one plane.
   Eigen::Vector3d deeper;            ///< The point of the pixel if its depth is larger by one sigma.
   double sigma = 0;                  ///< Standard deviation of the depth.
+  double depth_m = 0;                ///< The depth.
 };
 
 /// Lists the pixels of a hole whose depth is that of a surface.

@@ -53,6 +53,10 @@ class Painter {
 
   /// Marks the pixels that a mover or its shadow may change.
   void mark(const PlacedMover& placed, const Vector3d& to_sun, cv::Mat1b& wanted) const {
+    if (camera_.is_wide()) {  // the hull of the corners is not that of their images
+      wanted.setTo(255);
+      return;
+    }
     const Vector3d size = placed.model->size + Vector3d::Constant(2 * kShadowReachM);
     const Box box{placed.world_from_mover * SE3{Eigen::Matrix3d::Identity(), {0, 0, 0.5 * placed.model->size.z()}}, size};
     std::vector<Vector3d> corners;
@@ -82,6 +86,11 @@ class Painter {
 
  private:
   Ray ray(double x, double y) const {
+    if (camera_.is_distorted()) {
+      const Vector3d here = camera_.ray({x, y});
+      const Eigen::Matrix3d& R = world_from_camera_.R;
+      return {world_from_camera_.t, R * here, R * (camera_.ray({x + 1, y}) - here), R * (camera_.ray({x, y + 1}) - here)};
+    }
     const Vector3d step_x = world_from_camera_.R.col(0) / camera_.fx, step_y = world_from_camera_.R.col(1) / camera_.fy;
     const Vector3d direction = world_from_camera_.R.col(2) + step_x * (x - camera_.cx) + step_y * (y - camera_.cy);
     return {world_from_camera_.t, direction, step_x, step_y};

@@ -21,13 +21,21 @@ std::string format_numbers(const SE3& pose, const char* between) {
   return fmt::format("{:.12g}", fmt::join(to_row_major(pose), between));
 }
 
+std::string format_lens(const Camera& camera) {
+  if (camera.model == CameraModel::pinhole) return {};
+  std::string text = fmt::format("model = \"{}\"\n", to_string(camera.model));
+  if (camera.model == CameraModel::unified) text += fmt::format("xi = {}\n", camera.xi);
+  if (!camera.coefficients().empty()) text += fmt::format("distortion = [{}]\n", fmt::join(camera.coefficients(), ", "));
+  return text;
+}
+
 std::string format_settings(const Scene& scene) {
   const Camera& camera = scene.camera();
   const SynthOptions& options = scene.options();
   std::string text = "[drive]\nversion = 1\n\n";
   for (const SceneCamera& one : scene.cameras())
-    text += fmt::format("[camera.{}]\nsize = [{}, {}]\nK = [{}, 0, {}, 0, {}, {}, 0, 0, 1]\ncamera_from_lidar = [{}]\n\n",
-                        one.name, camera.width, camera.height, camera.fx, camera.cx, camera.fy, camera.cy,
+    text += fmt::format("[camera.{}]\nsize = [{}, {}]\nK = [{}, 0, {}, 0, {}, {}, 0, 0, 1]\n{}camera_from_lidar = [{}]\n\n",
+                        one.name, camera.width, camera.height, camera.fx, camera.cx, camera.fy, camera.cy, format_lens(camera),
                         format_numbers(one.camera_from_lidar, ", "));
   if (options.room) return text + fmt::format("[lidar]\nsensor = \"depth_camera\"\nrate = {:.12g}\n", options.rate_hz);
   return text + fmt::format(
@@ -43,7 +51,8 @@ std::string format_readme(const SynthOptions& options) {
   return std::string("A synthetic ") + (options.room ? "room" : "street") +
          ", made by `dvi synth`: a drive in the `folder` layout with its exact truth.\n\n"
          "truth/NAME.png            the frame without traffic and noise, with the frame's exposure\n"
-         "truth_depth/NAME.png      16-bit, depth z in meters x 256 of the static scene, at pixel centers, 0 sky\n"
+         "truth_depth/NAME.png      16-bit, depth z in meters x 256 of the static scene, at pixel centers, 0 sky; of\n"
+         "                          cameras that are not pinhole cameras the distance\n"
          "truth_cameras.txt         NAME, 12 numbers camera_from_world (row-major 3x4) of the true camera, exposure gain\n"
          "truth/CAMERA/ and so on   the same of a camera that is not the first\n" +
          (options.room

@@ -11,7 +11,7 @@ namespace dvi::synth {
 /// Writes the recording of a synthetic street or room in the `folder` layout, with the exact truth of the first camera
 /// ("front", or "color" in a room):
 ///   truth/NAME.png          the frame without traffic and without noise, with the frame's exposure
-///   truth_depth/NAME.png    16-bit, depth z in meters x 256 of the static scene, 0 sky (255.99 m at most)
+///   truth_depth/NAME.png    16-bit, Camera::depth() in meters x 256 of the static scene, 0 sky (255.99 m at most)
 ///   truth_points/NAME.label uint32 per point of the scan: SynthScan::label; not in a room
 ///   truth_cameras.txt       NAME, 12 numbers camera_from_world of the true camera, exposure gain
 /// and the same of each other camera in truth/CAMERA, truth_depth/CAMERA and truth_cameras_CAMERA.txt. `tick` is called once

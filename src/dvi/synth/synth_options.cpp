@@ -3,6 +3,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "dvi/core/error.h"
 
 namespace dvi::synth {
@@ -27,6 +29,12 @@ void SynthOptions::describe(OptionTable& table) {
             "Distance in meters of a second camera, \"right\", to the right of the first one; 0: none.");
   table.add("side_cameras", side_cameras,
             "Two more cameras, \"side-left\" and \"side-right\", which look 60 degrees to the sides.");
+  table.add("six_cameras", six_cameras,
+            "Six cameras instead, which look in all directions: \"front\", \"front-left\", \"front-right\", \"back\", "
+            "\"back-left\", and \"back-right\".");
+  table.add("lens", lens,
+            "The lens of all cameras: pinhole, fisheye or unified (180 degrees wide), or panorama (the whole sphere; the image "
+            "must be twice as wide as high).");
   table.add("room", room,
             "A furnished room instead of a street: a hand-held RGB-D camera, and a person who walks through. Options of the "
             "street, its traffic and the LiDAR do not apply.");
@@ -45,10 +53,16 @@ void SynthOptions::describe(OptionTable& table) {
 
 void SynthOptions::check() const {
   check_ranges(*this);
+  if (lens == SynthLens::panorama && width != 2 * height)
+    throw UsageError(fmt::format("--lens panorama needs images twice as wide as high, not {}x{}", width, height));
+  if (six_cameras && (side_cameras || stereo_m > 0))
+    throw UsageError("--six-cameras cannot be combined with --side-cameras and --stereo-m");
   if (!room) return;
-  const std::pair<const char*, bool> of_the_street[] = {
-      {"--reverse", reverse}, {"--truck", truck},           {"--walker", walker},          {"--wet", wet},
-      {"--changes", changes}, {"--stereo-m", stereo_m > 0}, {"--turn-deg", turn_deg != 0}, {"--side-cameras", side_cameras}};
+  const std::pair<const char*, bool> of_the_street[] = {{"--reverse", reverse},         {"--truck", truck},
+                                                        {"--walker", walker},           {"--wet", wet},
+                                                        {"--changes", changes},         {"--stereo-m", stereo_m > 0},
+                                                        {"--turn-deg", turn_deg != 0},  {"--side-cameras", side_cameras},
+                                                        {"--six-cameras", six_cameras}, {"--lens", lens != SynthLens::pinhole}};
   for (const auto& [name, given] : of_the_street)
     if (given) throw UsageError(std::string(name) + " is an option of the street and cannot be combined with --room");
 }

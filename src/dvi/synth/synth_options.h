@@ -1,8 +1,19 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <utility>
+
 #include "dvi/core/options.h"
 
 namespace dvi::synth {
+
+/// panorama: a camera of the whole sphere, whose images are twice as wide as high.
+enum class SynthLens : std::uint8_t { pinhole, fisheye, unified, panorama };
+constexpr auto names_of(SynthLens) {
+  return std::array{std::pair{SynthLens::pinhole, "pinhole"}, std::pair{SynthLens::fisheye, "fisheye"},
+                    std::pair{SynthLens::unified, "unified"}, std::pair{SynthLens::panorama, "panorama"}};
+}
 
 /// The options of the street or room and its recording. Two recordings share one street (world coordinates, facades, trees) if
 /// seed, frames, speed_mps, rate_hz and turn_deg agree; `day` changes light, parked cars, lane and traffic, `reverse` the
@@ -19,7 +30,8 @@ struct SynthOptions {
   bool walker = false;
   bool wet = false, changes = false;
   double stereo_m = 0;
-  bool side_cameras = false;
+  bool side_cameras = false, six_cameras = false;
+  SynthLens lens = SynthLens::pinhole;
   bool room = false;
   int beams = 64, columns = 1800;
   double rate_hz = 10;

@@ -21,6 +21,9 @@ TEST(SynthOptions, RefusesValuesOutOfRange) {
   refused([](SynthOptions& o) { o.beams = -1; });
   refused([](SynthOptions& o) { o.speed_mps = std::nan(""); });
   refused([](SynthOptions& o) { o.turn_deg = 200; });
+  refused([](SynthOptions& o) { o.lens = SynthLens::panorama; });
+  refused([](SynthOptions& o) { o.six_cameras = o.side_cameras = true; });
+  refused([](SynthOptions& o) { o.room = o.six_cameras = true; });
   SynthOptions options;
   options.width = 10;
   EXPECT_THROW(Scene{options}, UsageError);

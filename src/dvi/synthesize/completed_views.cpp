@@ -97,14 +97,15 @@ cv::Mat1f project_depths(const CompletedImage& completed, const View& from, cons
       const float z = completed.depth_m(y, x);
       if (z == 0) continue;
       const Eigen::Vector3d point = view_from_completed * (z * from.camera.ray({x + completed.box.x, y + completed.box.y}));
-      if (point.z() < 0.5 || !view.camera.in_front(point)) continue;
+      const double depth_m = view.camera.depth(point);
+      if (depth_m < 0.5 || !view.camera.in_front(point)) continue;
       const Eigen::Vector2d at = view.camera.project(point);
-      const double half = 0.5 * std::clamp(1.1 * z / point.z() * view.camera.fx / from.camera.fx, 1.0, 8.0);
+      const double half = 0.5 * std::clamp(1.1 * z / depth_m * view.camera.fx / from.camera.fx, 1.0, 8.0);
       const int x0 = std::max(static_cast<int>(std::ceil(at.x() - half)), 0),
                 y0 = std::max(static_cast<int>(std::ceil(at.y() - half)), 0);
       for (int j = y0; j < out.rows && j <= at.y() + half; ++j)
         for (int i = x0; i < out.cols && i <= at.x() + half; ++i)
-          if (wanted(j, i) != 0 && (out(j, i) == 0 || point.z() < out(j, i))) out(j, i) = static_cast<float>(point.z());
+          if (wanted(j, i) != 0 && (out(j, i) == 0 || depth_m < out(j, i))) out(j, i) = static_cast<float>(depth_m);
     }
   return out;
 }
@@ -193,9 +194,10 @@ ShownPixels show_completed_views(const CompletedViews& all, const Views& views, 
         const float z = depths(y, x);
         if (z == 0) continue;
         const Eigen::Vector3d point = completed_from_view * (z * view.camera.ray({x, y}));
-        if (point.z() <= 0.1 || !from.camera.in_front(point)) continue;
+        const double depth_m = from.camera.depth(point);
+        if (depth_m <= 0.1 || !from.camera.in_front(point)) continue;
         const Eigen::Vector2d at = from.camera.project(point);
-        const int side = std::clamp(static_cast<int>(std::lround(z / point.z() * from.camera.fx / view.camera.fx)), 1,
+        const int side = std::clamp(static_cast<int>(std::lround(z / depth_m * from.camera.fx / view.camera.fx)), 1,
                                     kCompletedView.max_footprint_px);
         const auto found = image.read(at, side);
         if (!found) continue;

@@ -181,7 +181,7 @@ class CompletedObjects::FrameDrawing {
       if (columns.empty()) return;
       columns_.add(columns);
       const cv::Mat1b drawn = columns.draw(all_.ground_, drive_.camera, camera_from_world_);
-      const double depth_m = columns.nearest_m(camera_from_world_);
+      const double depth_m = columns.nearest_m(drive_.camera, camera_from_world_);
       bodies_.push_back({drawn, kCompletion.body_margin_px + to_pixels(kCompletion.body_margin_m, depth_m, drive_.camera)});
       add(drawn, depth_m, max_covered_share);
     };
@@ -189,7 +189,7 @@ class CompletedObjects::FrameDrawing {
     for (const ObjectColumns& columns : moving) add_columns(columns, kCompletion.max_covered_share);
     if (box) {
       const cv::Mat1b drawn = draw_box(*box);
-      add(drawn, (camera_from_world_ * box->frame_from_box.t).z(), 1);
+      add(drawn, drive_.camera.depth(camera_from_world_ * box->frame_from_box.t), 1);
       bodies_.push_back({drawn, 0});
     }
     add_label(number, type, lacking, out.completed[frame_]);
@@ -284,7 +284,8 @@ class CompletedObjects::FrameDrawing {
       const Eigen::Vector2d at = drive_.camera.project(x);
       Eigen::Vector3d beside = x;
       if (const auto object = nearest.find({cvRound(at.x()), cvRound(at.y())}, kCompletion.max_parallax_px)) {
-        const double share = (object_m(*object) - scanner.z()) / (x.z() - scanner.z());
+        const double before_m = drive_.camera.is_wide() ? scanner.dot(x.normalized()) : scanner.z();
+        const double share = (object_m(*object) - before_m) / (drive_.camera.depth(x) - before_m);
         if (share > 0 && share < 1) beside = scanner + share * (x - scanner);
       }
       const Eigen::Vector2d pixel = drive_.camera.project(beside);

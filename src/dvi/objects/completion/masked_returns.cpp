@@ -87,7 +87,8 @@ class MaskedThings {
     Extent& extent = r.things[thing_[i]];
     ++r.returns;
     ++extent.returns;
-    extent.nearest_m = std::min(extent.nearest_m, (image_.frame().camera_from_world * returns_.points[i]).z());
+    extent.nearest_m =
+        std::min(extent.nearest_m, image_.frame().camera->depth(image_.frame().camera_from_world * returns_.points[i]));
     extent.box |= cv::Rect(*pixels_[i], cv::Size(1, 1));
   }
 

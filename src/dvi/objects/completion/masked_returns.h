@@ -68,7 +68,7 @@ class MaskedSurfaces {
   std::optional<bool> shows_masked(const Eigen::Vector3d& world) const;
 
  private:
-  double depth_m(const Eigen::Vector3d& world) const { return (frame_.camera_from_world * world).z(); }
+  double depth_m(const Eigen::Vector3d& world) const { return frame_.camera->depth(frame_.camera_from_world * world); }
 
   MaskedFrame frame_;
   cv::Mat1i parts_;

@@ -64,11 +64,11 @@ cv::Mat1b ObjectColumns::draw(const ground::ScanGround& ground, const Camera& ca
   return grown(grown(mask, kColumns.closing_px), kColumns.margin_px - kColumns.closing_px);
 }
 
-double ObjectColumns::nearest_m(const SE3& camera_from_world) const {
+double ObjectColumns::nearest_m(const Camera& camera, const SE3& camera_from_world) const {
   double nearest_m = std::numeric_limits<double>::max();
   for (const auto& [column, top_m] : tops_m_) {
     const Eigen::Vector3d top(column.first * kObjectVoxelM, column.second * kObjectVoxelM, top_m);
-    nearest_m = std::min(nearest_m, (camera_from_world * top).z());
+    nearest_m = std::min(nearest_m, camera.depth(camera_from_world * top));
   }
   return nearest_m;
 }

@@ -29,7 +29,7 @@ class ObjectColumns {
   /// Draws the columns, each from the ground to its top, and closes the gaps between them.
   cv::Mat1b draw(const ground::ScanGround& ground, const Camera& camera, const SE3& camera_from_world) const;
   /// Returns the depth of the nearest column in a camera, in meters.
-  double nearest_m(const SE3& camera_from_world) const;
+  double nearest_m(const Camera& camera, const SE3& camera_from_world) const;
 
  private:
   std::map<std::pair<int, int>, double> tops_m_;  // height of the top
