@@ -14,7 +14,7 @@ from pathlib import Path
 PAST = ("CHANGELOG.md", "docs/experiments/")
 OTHERS = {"--imgsz"}  # options of other programs that pages explain
 # `map.ply` is a file, not an option of the section [map].
-ENDINGS = ("md", "ply", "pcd", "las", "json", "mp4", "mkv", "txt", "png", "jpg", "h", "cpp", "js", "toml", "bin", "tif", "sparse")
+ENDINGS = ("md", "ply", "pcd", "las", "json", "csv", "mp4", "mkv", "txt", "png", "jpg", "h", "cpp", "js", "toml", "bin", "tif", "sparse")
 OPTION = r"(?<![\w-])--[a-z][a-z-]+(?!\w)"
 
 

@@ -130,6 +130,36 @@ TEST_F(ExportRecording, CleansOneCameraAfterTheOther) {
   EXPECT_NE(messages("both.mcap", "/right"), messages("front.mcap", "/right"));
 }
 
+TEST_F(ExportRecording, CleansSeveralCamerasTogether) {
+  clean_bag("zstd.mcap", "--camera all");
+  ASSERT_EQ(dvi("export bag out -o all.mcap --quiet").code, 0);
+  for (const char* camera : {"front", "right"}) {
+    const Drive drive = datasets::read_drive(folder / "all.mcap", {.camera = camera});
+    ASSERT_EQ(drive.frames.size(), 3U);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const fs::path clean = folder / "out" / camera / "frames" / (drive.frames[i].name + ".png");
+      EXPECT_EQ(cv::norm(*drive.images[i], media::read_image(clean, {32, 32}), cv::NORM_INF), 0) << clean;
+    }
+  }
+}
+
+TEST_F(ExportRecording, ReplacesTheImagesOfSeveralCameras) {
+  small_drive("drive", "--stereo-m 0.5", 4);
+  ASSERT_EQ(dvi("run drive -o out --camera all --frames 1:3 --quiet").code, 0);
+  const Result result = dvi("export folder out -o clean --quiet --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  for (const char* camera : {"front", "right"})
+    EXPECT_THAT(result.out, HasSubstr(std::string("1 of 4 images of ") + camera + " are not frames of the result"));
+  for (const char* image : {"front/000001.png", "front/000003.png", "right/000001.png", "right/000003.png"}) {
+    const std::string camera = fs::path(image).parent_path().string(), name = fs::path(image).filename().string();
+    EXPECT_EQ(cv::norm(media::read_image(folder / "clean/images" / image, kSize),
+                       media::read_image(folder / "out" / camera / "frames" / name, kSize), cv::NORM_INF),
+              0)
+        << image;
+  }
+  EXPECT_EQ(read_file(folder / "clean/images/right/000000.png"), read_file(folder / "drive/images/right/000000.png"));
+}
+
 TEST_F(ExportRecording, NamesBagsThatItCannotExport) {
   clean_bag("zstd.mcap", "--frames 0:1");
   const Result part = dvi("export bag out -o part.mcap --quiet --json");

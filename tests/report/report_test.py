@@ -131,6 +131,26 @@ class Report(unittest.TestCase):
         self.assertEqual({row.find_element(By.TAG_NAME, "td").text for row in rows}, {str(entry["object"]) for entry in objects})
         self.no_error(self.out)
 
+    def test_overview_shows_the_objects_to_check_before_publishing(self):
+        self.open(self.out)
+        browser.until(self.driver, "document.getElementById('objects')")
+        shown = self.js("""(() => {
+            const residue = {remains_visible: false, visible_frames: [], highest_score: 0.2, highest_score_frame: dvi.frames()[1].number,
+                             highest_score_box: [20, 30, 16, 12]};
+            dvi.data.objects = Array.from({length: 30}, (_, i) => ({object: i, class: "car", residue: {...residue, highest_score: i / 100}}));
+            dvi.data.objects[3].residue = {...residue, remains_visible: true, visible_frames: [1, 2]};
+            dvi.data.objects[4].residue = null;
+            document.getElementById("doubtful")?.remove();
+            document.getElementById("overview").append(dvi.doubtfulObjects());
+            return [...document.querySelectorAll("#doubtful .card p")].map((text) => text.textContent);
+        })()""")
+        self.assertEqual(len(shown), 20)
+        self.assertIn("Object 3 (car)", shown[0])
+        self.assertIn("remains visible", shown[0])
+        self.assertIn("Object 29 (car)", shown[1])
+        self.assertEqual(len(self.driver.find_elements(By.CSS_SELECTOR, "#doubtful svg.crop")), 40)
+        self.no_error(self.out)
+
     def test_long_lists_of_objects_are_closed(self):
         self.open(self.out)
         browser.until(self.driver, "document.getElementById('objects')")

@@ -12,6 +12,7 @@
 #include "dvi/bags/copy_bag.h"
 #include "dvi/bags/ros_image.h"
 #include "dvi/core/error.h"
+#include "dvi/core/frame_name.h"
 #include "dvi/core/text.h"
 #include "dvi/exports/exporter.h"
 #include "dvi/exports/input_place.h"
@@ -19,39 +20,40 @@
 namespace dvi::exports {
 namespace {
 
-// The images of the cleaned camera in the bag of a result.
+// An image in a bag: message `number` of a topic.
+struct RecordedImage {
+  const bags::BagTopic* topic;
+  std::size_t number;
+
+  const bags::BagEntry& message() const { return topic->messages[number]; }
+};
+
+// The images of the cleaned cameras in the bag of a result.
 class BagImages {
  public:
-  explicit BagImages(const RecordedInput& input)
+  BagImages(const RecordedInput& input, const Result& result)
       : messages_(input.path, bags::open_bag(input.path)),
-        choice_(bags::choose_topics(input.path, messages_.bag(), input.read.topics)) {}
-
-  const bags::Bag& bag() const { return messages_.bag(); }
-  const bags::BagTopic& topic() const { return *topic_; }
-  const fs::path& path() const { return messages_.path(); }
-
-  void choose_camera(const std::string& name) {
-    for (const bags::BagCamera& camera : choice_.cameras)
-      if (camera.name == name) topic_ = camera.images;
-    if (topic_ == nullptr)
-      throw InputError(path(), fmt::format("has no camera {}, which the run cleaned", name), kSameRecording);
+        choice_(bags::choose_topics(input.path, messages_.bag(), input.read.topics)) {
+    for (const ResultCamera& camera : result.cameras()) topics_.push_back(find_topic(camera.name));
   }
 
-  // Returns the messages of the frames of a result, in their order.
-  std::vector<std::size_t> find_messages(const Result& result) const {
-    std::vector<std::string> warnings;  // the run printed them
-    const std::vector<bags::StampedEntry> entries = messages_.list_stamped(topic(), warnings);
-    const bags::FrameNumbers numbers = bags::number_frames(messages_, topic(), entries);
-    std::map<std::string, std::size_t> by_name;
-    for (const bags::StampedEntry& entry : entries)
-      by_name[bags::frame_name(numbers.number(topic(), entry.number))] = entry.number;
-    std::vector<std::size_t> out;
+  const bags::Bag& bag() const { return messages_.bag(); }
+  // Returns the topics of the cleaned cameras, in the order of the result.
+  const std::vector<const bags::BagTopic*>& topics() const { return topics_; }
+  const fs::path& path() const { return messages_.path(); }
+
+  // Returns the images of the frames of a result, in their order.
+  std::vector<RecordedImage> find_images(const Result& result) const {
+    std::vector<std::map<std::string, std::size_t>> numbers;  // by camera and name
+    for (const bags::BagTopic* topic : topics_) numbers.push_back(number_images(*topic));
+    std::vector<RecordedImage> out;
     for (const ResultFrame& frame : result.frames()) {
-      const auto message = by_name.find(frame.name);
-      if (message == by_name.end())
-        throw InputError(path(), fmt::format("has no image {} of {}, which the run cleaned", frame.name, topic().name),
+      const bags::BagTopic* const topic = topics_[frame.camera];
+      const auto found = numbers[frame.camera].find(image_of_frame(frame.name));
+      if (found == numbers[frame.camera].end())
+        throw InputError(path(), fmt::format("has no image {} of {}, which the run cleaned", frame.name, topic->name),
                          kSameRecording);
-      out.push_back(message->second);
+      out.push_back({topic, found->second});
     }
     return out;
   }
@@ -60,28 +62,45 @@ class BagImages {
   std::vector<std::string> list_other_images() const {
     std::vector<std::string> out;
     for (const bags::BagTopic& other : bag().topics)
-      if (&other != topic_ && bags::is_images(other) && !other.messages.empty() && &other != choice_.depth.images)
+      if (std::find(topics_.begin(), topics_.end(), &other) == topics_.end() && bags::is_images(other) &&
+          !other.messages.empty() && &other != choice_.depth.images)
         out.push_back(other.name);
     return out;
   }
 
  private:
+  const bags::BagTopic* find_topic(const std::string& camera) const {
+    for (const bags::BagCamera& recorded : choice_.cameras)
+      if (recorded.name == camera) return recorded.images;
+    throw InputError(path(), fmt::format("has no camera {}, which the run cleaned", camera), kSameRecording);
+  }
+
+  // Returns the numbers of the messages of a topic by the names of their frames.
+  std::map<std::string, std::size_t> number_images(const bags::BagTopic& topic) const {
+    std::vector<std::string> warnings;  // the run printed them
+    const std::vector<bags::StampedEntry> entries = messages_.list_stamped(topic, warnings);
+    const bags::FrameNumbers numbers = bags::number_frames(messages_, topic, entries);
+    std::map<std::string, std::size_t> out;
+    for (const bags::StampedEntry& entry : entries) out[bags::frame_name(numbers.number(topic, entry.number))] = entry.number;
+    return out;
+  }
+
   bags::BagMessages messages_;
   bags::BagChoice choice_;
-  const bags::BagTopic* topic_ = nullptr;
+  std::vector<const bags::BagTopic*> topics_;
 };
 
 // Makes the messages with clean images.
 class CleanMessages {
  public:
   CleanMessages(const Result& result, const BagImages& images, int jpeg_quality)
-      : result_(result), images_(images), jpeg_quality_(jpeg_quality), messages_(images.find_messages(result)) {}
+      : result_(result), images_(images), jpeg_quality_(jpeg_quality), recorded_(images.find_images(result)) {}
 
   // Returns the messages to replace in one file of the bag, numbered by frame.
   bags::ReplacedMessages in_file(std::size_t file, Progress& progress) {
     bags::ReplacedMessages out;
-    for (std::size_t frame = 0; frame < messages_.size(); ++frame) {
-      const bags::BagEntry& entry = images_.topic().messages[messages_[frame]];
+    for (std::size_t frame = 0; frame < recorded_.size(); ++frame) {
+      const bags::BagEntry& entry = recorded_[frame].message();
       if (entry.file == file) out.numbers[entry.chunk][entry.offset] = frame;
     }
     out.replace = [this, &progress](std::size_t frame, std::string_view message) {
@@ -94,18 +113,25 @@ class CleanMessages {
     return out;
   }
 
-  std::size_t size() const { return messages_.size(); }
+  std::size_t size() const { return recorded_.size(); }
+  // Returns the number of frames whose images are of a topic.
+  std::size_t count(const bags::BagTopic& topic) const {
+    return static_cast<std::size_t>(
+        std::count_if(recorded_.begin(), recorded_.end(), [&](const RecordedImage& image) { return image.topic == &topic; }));
+  }
   std::size_t changed() const { return changed_; }
   // Throws InputError if a message was not found while the files were copied.
   void require_all_copied() const {
-    if (copied_ != messages_.size()) throw InputError(images_.path(), "changed while it was copied", "export again");
+    if (copied_ != recorded_.size()) throw InputError(images_.path(), "changed while it was copied", "export again");
   }
 
  private:
   std::string replace(std::size_t frame, std::string_view message) const {
-    const bags::BagTopic& topic = images_.topic();
+    const auto& [topic_of_frame, number] = recorded_[frame];
+    const bags::BagTopic& topic = *topic_of_frame;
+    const std::string where = fmt::format("message {} of {}", number, topic.name);
     const auto fail = [&](const std::string& why, const char* remedy) {
-      throw InputError(images_.path(), fmt::format("message {} of {}: {}", messages_[frame], topic.name, why), remedy);
+      throw InputError(images_.path(), fmt::format("{}: {}", where, why), remedy);
     };
     std::optional<std::string> clean;
     std::string plain;
@@ -124,16 +150,21 @@ class CleanMessages {
   const Result& result_;
   const BagImages& images_;
   int jpeg_quality_;
-  std::vector<std::size_t> messages_;  // by frame
+  std::vector<RecordedImage> recorded_;  // by frame
   std::size_t copied_ = 0, changed_ = 0;
 };
 
-void warn_of_traffic(const BagImages& images, std::size_t cleaned, Progress& progress) {
-  const std::size_t all = images.topic().messages.size();
-  if (cleaned < all)
-    progress.warn(
-        fmt::format("{} of {} images of {} are not frames of the result: they are unchanged, with the traffic that they show",
-                    all - cleaned, all, images.topic().name));
+// Returns the number of images of a topic that are not frames of the result.
+std::size_t count_others(const bags::BagTopic& topic, const CleanMessages& clean) {
+  return topic.messages.size() - clean.count(topic);
+}
+
+void warn_of_traffic(const BagImages& images, const CleanMessages& clean, Progress& progress) {
+  for (const bags::BagTopic* topic : images.topics())
+    if (const std::size_t others = count_others(*topic, clean); others > 0)
+      progress.warn(
+          fmt::format("{} of {} images of {} are not frames of the result: they are unchanged, with the traffic that they show",
+                      others, topic->messages.size(), topic->name));
   if (const std::vector<std::string> others = images.list_other_images(); !others.empty())
     progress.warn(fmt::format("the images of {} are unchanged, with the traffic that they show", fmt::join(others, ", ")));
 }
@@ -148,8 +179,7 @@ RecordedInput find_bag(const Result& result, const ExportOptions& options) {
 
 ExportReport write_bag(const Result& result, const fs::path& place, const ExportOptions& options, Progress& progress) {
   const RecordedInput input = find_bag(result, options);
-  BagImages images(input);
-  images.choose_camera(result.only_camera().name);
+  const BagImages images(input, result);
   CleanMessages clean(result, images, options.quality);
   const bool is_folder = fs::is_directory(input.path);
   ExportReport report;
@@ -162,10 +192,12 @@ ExportReport write_bag(const Result& result, const fs::path& place, const Export
   if (is_folder)
     for (const char* name : {"metadata.yaml", "dvi.toml"})
       if (fs::exists(input.path / name)) write_file(place / name, read_file(input.path / name));
-  warn_of_traffic(images, clean.size(), progress);
+  warn_of_traffic(images, clean, progress);
+  std::size_t others = 0;
+  for (const bags::BagTopic* topic : images.topics()) others += count_others(*topic, clean);
   report.counts = {{"cleaned images", static_cast<double>(clean.size())},
                    {"of them changed", static_cast<double>(clean.changed())},
-                   {"other images of the topic", static_cast<double>(images.topic().messages.size() - clean.size())}};
+                   {"other images of the topics", static_cast<double>(others)}};
   return report;
 }
 

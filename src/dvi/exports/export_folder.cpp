@@ -9,6 +9,7 @@
 
 #include "dvi/bags/bag.h"
 #include "dvi/core/error.h"
+#include "dvi/core/frame_name.h"
 #include "dvi/core/path_inside.h"
 #include "dvi/core/threads.h"
 #include "dvi/exports/exporter.h"
@@ -106,27 +107,32 @@ void copy_plain(const fs::path& from, const fs::path& to) {
   if (error) throw InputError(from, fmt::format("cannot be copied ({})", error.message()), "free space or make it readable");
 }
 
-// Opens the whole recording of a result. Throws InputError if its images are not single files.
-Drive open_recording(const Result& result, const RecordedInput& input) {
+// Opens the whole recording of a result once for each of its cameras. Throws InputError if its images are not single files.
+std::vector<Drive> open_recording(const Result& result, const RecordedInput& input) {
   if (bags::is_bag(input.path)) throw InputError(input.path, "is a bag", "export it as a bag: dvi export bag");
-  datasets::ReadOptions read = input.read;
-  read.camera = result.only_camera().name;
-  Drive drive = datasets::read_drive(input.path, read);
-  if (datasets::holds_many_images(drive.frames.front().file))
-    throw InputError(drive.frames.front().file, "is a video, whose frames cannot be replaced",
-                     "export the result as a video: dvi export video");
-  return drive;
+  std::vector<Drive> out;
+  for (const ResultCamera& camera : result.cameras()) {
+    datasets::ReadOptions read = input.read;
+    read.camera = camera.name;
+    out.push_back(datasets::read_drive(input.path, read));
+    if (const fs::path& first = out.back().frames.front().file; datasets::holds_many_images(first))
+      throw InputError(first, "is a video, whose frames cannot be replaced", "export the result as a video: dvi export video");
+  }
+  return out;
 }
 
-// Returns the file of each frame of a result in a drive.
-std::vector<fs::path> find_frame_files(const Result& result, const Drive& drive, const fs::path& root) {
-  std::map<std::string, fs::path> by_name;
-  for (const Frame& frame : drive.frames) by_name[frame.name] = frame.file;
+// Returns the file of each frame of a result in its drives, one per camera.
+std::vector<fs::path> find_frame_files(const Result& result, const std::vector<Drive>& drives, const fs::path& root) {
+  std::vector<std::map<std::string, fs::path>> by_name(drives.size());
+  for (std::size_t k = 0; k < drives.size(); ++k)
+    for (const Frame& frame : drives[k].frames) by_name[k][frame.name] = frame.file;
   std::vector<fs::path> out;
   for (const ResultFrame& frame : result.frames()) {
-    const auto file = by_name.find(frame.name);
-    if (file == by_name.end())
-      throw InputError(drive.path, fmt::format("has no image {} of {}, which the run cleaned", frame.name, drive.camera_name),
+    const auto file = by_name[frame.camera].find(image_of_frame(frame.name));
+    if (file == by_name[frame.camera].end())
+      throw InputError(drives.front().path,
+                       fmt::format("has no image {} of {}, which the run cleaned", image_of_frame(frame.name),
+                                   drives[frame.camera].camera_name),
                        kSameRecording);
     out.push_back(file->second.lexically_normal());
     if (*out.back().lexically_relative(root).begin() == "..")
@@ -145,22 +151,33 @@ bool write_frame(const media::ImageEdit& edit, const fs::path& from, const fs::p
   return *clean != recorded;
 }
 
-void warn_of_traffic(const Drive& drive, std::size_t cleaned, Progress& progress) {
-  if (cleaned < drive.frames.size())
-    progress.warn(
-        fmt::format("{} of {} images of {} are not frames of the result: they are unchanged, with the traffic that they show",
-                    drive.frames.size() - cleaned, drive.frames.size(), drive.camera_name));
-  std::vector<std::string> others = drive.camera_names;
-  std::erase(others, drive.camera_name);
+// Returns the number of images of a camera that are not frames of the result.
+std::size_t count_others(const Result& result, std::size_t camera, const Drive& drive) {
+  const auto cleaned = std::count_if(result.frames().begin(), result.frames().end(),
+                                     [&](const ResultFrame& frame) { return frame.camera == camera; });
+  return drive.frames.size() - static_cast<std::size_t>(cleaned);
+}
+
+void warn_of_traffic(const Result& result, const std::vector<Drive>& drives, Progress& progress) {
+  std::vector<std::string> others = drives.front().camera_names;
+  for (std::size_t k = 0; k < drives.size(); ++k) {
+    const Drive& drive = drives[k];
+    std::erase(others, drive.camera_name);
+    if (const std::size_t unchanged = count_others(result, k, drive); unchanged > 0)
+      progress.warn(
+          fmt::format("{} of {} images of {} are not frames of the result: they are unchanged, with the traffic that they show",
+                      unchanged, drive.frames.size(), drive.camera_name));
+  }
   if (!others.empty())
     progress.warn(fmt::format("the images of {} are unchanged, with the traffic that they show", fmt::join(others, ", ")));
 }
 
 ExportReport write_folder(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
   const RecordedInput input = find_input(result, options);
-  const Drive drive = open_recording(result, input);
+  const std::vector<Drive> drives = open_recording(result, input);
+  const Drive& drive = drives.front();
   const fs::path root = datasets::find_data_root(drive);
-  const std::vector<fs::path> frames = find_frame_files(result, drive, root);
+  const std::vector<fs::path> frames = find_frame_files(result, drives, root);
   const RecordingFiles files = list_files_of(drive, input, result.folder());
   std::vector<fs::path> others;
   const std::set<fs::path> replaced(frames.begin(), frames.end());
@@ -177,14 +194,16 @@ ExportReport write_folder(const Result& result, const fs::path& folder, const Ex
     copy_plain(root / file, folder / file);
     progress.advance();
   }
-  warn_of_traffic(drive, frames.size(), progress);
+  warn_of_traffic(result, drives, progress);
+  std::size_t unchanged = 0;
+  for (std::size_t k = 0; k < drives.size(); ++k) unchanged += count_others(result, k, drives[k]);
   if (const std::size_t left_out = files.count_left_out(); left_out > 0)
     progress.warn(fmt::format("{} links and files outside of {} are not copied", left_out, root.string()));
   const fs::path relative = drive.path.lexically_relative(root);
   return {relative == "." ? std::vector<std::string>{} : std::vector<std::string>{relative.string()},
           {{"cleaned images", static_cast<double>(frames.size())},
            {"of them changed", static_cast<double>(std::count(changed.begin(), changed.end(), 1))},
-           {"other images of the camera", static_cast<double>(drive.frames.size() - frames.size())},
+           {"other images of the cameras", static_cast<double>(unchanged)},
            {"other files", static_cast<double>(others.size())}}};
 }
 

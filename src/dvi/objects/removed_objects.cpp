@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "dvi/core/threads.h"
 #include "dvi/image/region.h"
@@ -28,6 +29,7 @@ struct ObjectPixels {
   std::string type;
   MaskSources evidence;
   std::optional<FrameResidue> residue;
+  cv::Rect box;
 };
 
 // Measures the removed objects of a camera in its frames and, if there is one, in a result.
@@ -62,7 +64,10 @@ class ObjectMeasurement {
     add((*objects_.completed)[frame], true);
     if (out.empty() || !read_result_) return out;
     if (const std::optional<ResultImages> images = read_result_(frame))
-      for (auto& [number, object] : out) object.residue = measure_residue(*images, silhouettes[number]);
+      for (auto& [number, object] : out) {
+        object.residue = measure_residue(*images, silhouettes[number]);
+        object.box = cv::boundingRect(silhouettes[number]);
+      }
     return out;
   }
 
@@ -93,7 +98,8 @@ class ObjectMeasurement {
 };
 
 // Adds a frame to the residue of an object.
-void add_residue(const FrameResidue& found, int frame, std::optional<ObjectResidue>& residue) {
+void add_residue(const ObjectPixels& shown, int frame, std::optional<ObjectResidue>& residue) {
+  const FrameResidue& found = *shown.residue;
   if (!residue) residue.emplace();
   if (found.is_visible()) {
     residue->frames.push_back(frame);
@@ -102,6 +108,7 @@ void add_residue(const FrameResidue& found, int frame, std::optional<ObjectResid
   if (residue->highest_frame >= 0 && found.score() <= residue->highest_score) return;
   residue->highest_score = found.score();
   residue->highest_frame = frame;
+  residue->highest_box = shown.box;
 }
 
 // Returns whether a result still shows an object: in two consecutive of its frames, because the score is wrong in single frames
@@ -144,11 +151,27 @@ const char* name_of(MotionState state) {
 nlohmann::json residue_json(const RemovedObject& object) {
   if (!object.residue) return {};
   const ObjectResidue& residue = *object.residue;
-  return {{"remains_visible", is_visible(object)},
-          {"visible_frames", residue.frames},
-          {"unmasked_frames", residue.unmasked_frames},
-          {"highest_score", std::round(1000 * residue.highest_score) / 1000},
-          {"highest_score_frame", residue.highest_frame}};
+  const cv::Rect& box = residue.highest_box;
+  return {{"remains_visible", is_visible(object)},        {"visible_frames", residue.frames},
+          {"unmasked_frames", residue.unmasked_frames},   {"highest_score", std::round(1000 * residue.highest_score) / 1000},
+          {"highest_score_frame", residue.highest_frame}, {"highest_score_box", {box.x, box.y, box.width, box.height}}};
+}
+
+// Quotes a field that holds a separator, as RFC 4180 requires.
+std::string quote(const std::string& field) {
+  if (field.find_first_of(",\"\n\r") == std::string::npos) return field;
+  std::string out = "\"";
+  for (const char c : field) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + "\"";
+}
+
+std::string format_residue(const RemovedObject& object) {
+  if (!object.residue) return "not measured,,,,,,,,";
+  const ObjectResidue& residue = *object.residue;
+  const cv::Rect& box = residue.highest_box;
+  return fmt::format("{},{},{},{:.3f},{},{},{},{},{}", is_visible(object) ? "yes" : "no", fmt::join(residue.frames, " "),
+                     residue.unmasked_frames, residue.highest_score, residue.highest_frame, box.x, box.y, box.width,
+                     box.height);
 }
 
 }  // namespace
@@ -182,7 +205,7 @@ std::vector<RemovedObject> list_removed_objects(const CameraEvidence& evidence, 
       object.frames.push_back(frames[i].number);
       if (shown.completed) object.completed.push_back(frames[i].number);
       object.pixels += shown.pixels;
-      if (shown.residue) add_residue(*shown.residue, frames[i].number, object.residue);
+      if (shown.residue) add_residue(shown, frames[i].number, object.residue);
     }
   const std::map<int, MotionState> motions = find_motions(evidence, objects);
   // Masks without track numbers show the objects that are completed only.
@@ -270,6 +293,25 @@ nlohmann::json objects_json(const std::vector<RemovedObject>& objects) {
     if (!object.camera.empty()) list.back()["camera"] = object.camera;
   }
   return {{"schema", "dvi-objects/1"}, {"objects", list}};
+}
+
+std::string objects_csv(const std::vector<RemovedObject>& objects) {
+  std::vector<const RemovedObject*> order;
+  for (const RemovedObject& object : objects) order.push_back(&object);
+  const auto rank = [](const RemovedObject* object) {
+    return std::pair(is_visible(*object), object->residue ? object->residue->highest_score : -1.0);
+  };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](const RemovedObject* a, const RemovedObject* b) { return rank(a) > rank(b); });
+  std::string text =
+      "object,camera,class,evidence,motion,first_frame,last_frame,frames,completed_frames,removed_pixels,remains_visible,"
+      "visible_frames,unmasked_frames,highest_score,highest_score_frame,box_x,box_y,box_width,box_height\r\n";
+  for (const RemovedObject* object : order)
+    text +=
+        fmt::format("{},{},{},{},{},{},{},{},{},{},{}\r\n", object->number, quote(object->camera), quote(object->type),
+                    quote(to_string(object->evidence)), name_of(object->motion), object->frames.front(), object->frames.back(),
+                    object->frames.size(), fmt::join(object->completed, " "), object->pixels, format_residue(*object));
+  return text;
 }
 
 }  // namespace dvi::objects

@@ -20,6 +20,7 @@ struct ObjectResidue {
   std::size_t unmasked_frames = 0;  ///< those in which most of the object was not removed
   double highest_score = 0;         ///< over all frames, FrameResidue::score()
   int highest_frame = -1;           ///< number of its frame
+  cv::Rect highest_box;             ///< extent of the object there, in pixels
 };
 
 /// One removed object in the frames of a camera.
@@ -64,5 +65,9 @@ std::vector<std::string> describe_visible(const std::vector<RemovedObject>& obje
 
 /// Writes objects as objects.json lists them.
 nlohmann::json objects_json(const std::vector<RemovedObject>& objects);
+
+/// Writes objects as objects.csv lists them, which has a line per object and camera, for spreadsheets. Frames are joined by
+/// blanks. The first objects are those that remain visible, then those with the highest score of their residue.
+std::string objects_csv(const std::vector<RemovedObject>& objects);
 
 }  // namespace dvi::objects

@@ -111,6 +111,25 @@ TEST(RemovedObjects, ListTheFramesThatStillShowThem) {
   const nlohmann::json json = objects_json(list);
   EXPECT_EQ(json["objects"][0]["residue"]["visible_frames"], nlohmann::json({10, 11, 13}));
   EXPECT_EQ(json["objects"][0]["residue"]["highest_score_frame"], 10);
+  const cv::Rect& box = list[0].residue->highest_box;
+  EXPECT_EQ(json["objects"][0]["residue"]["highest_score_box"], nlohmann::json({box.x, box.y, box.width, box.height}));
+  EXPECT_EQ(box.area(), 200) << "the extent of its label";
+}
+
+TEST(RemovedObjects, AreATableWithTheMostDoubtfulFirst) {
+  std::vector<RemovedObject> list(3);
+  for (int i = 0; i < 3; ++i) list[i].number = i, list[i].frames = {4, 5, 6}, list[i].pixels = 100;
+  list[0].type = "car, \"parked\"";
+  list[0].residue = ObjectResidue{.frames = {}, .highest_score = 0.3, .highest_frame = 5, .highest_box = {1, 2, 3, 4}};
+  list[2].residue = ObjectResidue{.frames = {5, 6}, .highest_score = 0.25, .highest_frame = 6, .highest_box = {5, 6, 7, 8}};
+  list[2].completed = {4, 6};
+  const std::string table = objects_csv(list);
+  EXPECT_THAT(table, testing::StartsWith("object,camera,class,"));
+  const std::size_t columns = static_cast<std::size_t>(std::count(table.begin(), table.begin() + table.find('\n'), ','));
+  EXPECT_EQ(columns, 18U);
+  EXPECT_THAT(table, HasSubstr("\n2,,,none,unknown,4,6,3,4 6,100,yes,5 6,0,0.250,6,5,6,7,8\r\n0,,\"car, "
+                               "\"\"parked\"\"\",none,unknown,4,6,3,,100,no,,0,"
+                               "0.300,5,1,2,3,4\r\n1,,,none,unknown,4,6,3,,100,not measured,,,,,,,,\r\n"));
 }
 
 TEST(RemovedObjects, InSingleFramesAreNotNamed) {
@@ -146,7 +165,7 @@ TEST(RemovedObjects, AreNamedIfTheyAreLarge) {
     list[static_cast<std::size_t>(i)].number = i;
     list[static_cast<std::size_t>(i)].pixels = static_cast<std::size_t>(100 * i);
     list[static_cast<std::size_t>(i)].frames = {3};
-    list[static_cast<std::size_t>(i)].residue = ObjectResidue{{3}, 0, 0.5, 3};
+    list[static_cast<std::size_t>(i)].residue = ObjectResidue{{3}, 0, 0.5, 3, {}};
   }
   const std::vector<std::string> sentences = describe_visible(list);
   ASSERT_EQ(sentences.size(), 6U);

@@ -363,6 +363,7 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
   write_file(out_ / "sources.json", json_text(sources_json(results.views, drives_)) + "\n");
   const std::vector<objects::RemovedObject> removed = list_removed(results);
   write_file(out_ / "objects.json", json_text(objects::objects_json(removed)) + "\n");
+  write_file(out_ / "objects.csv", objects::objects_csv(removed));
   if (results.map != nullptr) {
     write_map_files(out_ / "map", {*results.map, results.views, target,
                                    collect_object_paths(*results.objects.front().labels, results.views,

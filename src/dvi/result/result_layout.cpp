@@ -64,8 +64,8 @@ std::vector<std::string> list_begun_frames(const fs::path& out) {
 }
 
 std::vector<std::string> list_other_files(const fs::path& out, const std::vector<std::string>& cameras) {
-  std::vector<std::string> files{"sources.json", "objects.json",   "map/poses.txt", "map/times.txt", "map/map.json",
-                                 "map/map.ply",  "map/moving.ply", "map/map.png",   "map/above.json"};
+  std::vector<std::string> files{"sources.json", "objects.json", "objects.csv",    "map/poses.txt", "map/times.txt",
+                                 "map/map.json", "map/map.ply",  "map/moving.ply", "map/map.png",   "map/above.json"};
   for (const std::string& camera : cameras)
     for (const char* file : {"video.mp4", "compare.mp4", "contact.png"}) files.push_back(join_frame_name(camera, file));
   for (const std::string& camera : cameras)

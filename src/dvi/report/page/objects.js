@@ -2,7 +2,7 @@
 // The table of removed objects.
 (() => {
   const e = dvi.element, t = dvi.texts.objects;
-  const shown = 15, most = 500;
+  const shown = 15, most = 500, doubtful = 20;
 
   const visibleFrames = (object) => (object.residue && object.residue.remains_visible ? object.residue.visible_frames : []);
 
@@ -34,6 +34,27 @@
   const table = (objects) => e("table", {className: "wide"},
     e("thead", {}, e("tr", {}, t.columns.map(([name, hint]) => e("th", {textContent: name, title: hint})))),
     e("tbody", {}, objects.map((object) => e("tr", {}, row(object).map((cell) => e("td", {}, cell))))));
+
+  /** The objects of which the result may still show most: their worst frames, before and after. */
+  dvi.doubtfulObjects = () => {
+    const score = (object) => object.residue.highest_score;
+    const objects = (dvi.data.objects || []).filter((object) => object.residue && object.residue.highest_score_box && score(object) > 0)
+      .sort((a, b) => visibleFrames(b).length - visibleFrames(a).length || score(b) - score(a)).slice(0, doubtful);
+    if (!objects.length) return null;
+    const card = (object) => {
+      const frame = dvi.frames().findIndex((entry) => entry.number === object.residue.highest_score_frame && entry.camera === object.camera);
+      const entry = dvi.data.frames[frame];
+      if (!entry || !entry.size) return null;
+      const [x, y, width, height] = object.residue.highest_score_box, around = 0.25 * Math.max(width, height, 16);
+      const part = [x - around, y - around, width + 2 * around, height + 2 * around];
+      const picture = (title, pictures) => e("figure", {}, dvi.crop(pictures, entry.size, part), e("figcaption", {textContent: title}));
+      return e("a", {className: "card", href: `#frames/${frame}`},
+        e("div", {className: "pair"}, picture("before", dvi.before(frame)), picture("after", [entry.picture])),
+        e("p", {}, t.doubtful(object, dvi.frameName(frame), visibleFrames(object).length > 0)));
+    };
+    return e("article", {id: "doubtful"}, e("h2", {textContent: "Check before publishing"}),
+      e("p", {className: "hint", textContent: t.publishing}), e("div", {className: "cards sheet"}, objects.map(card)));
+  };
 
   /** Objects that remain visible first, then by size; beyond the first ones in a closed part; null if the list is missing. */
   dvi.objectTable = () => {

@@ -119,6 +119,7 @@
         worst.length ? e("h2", {textContent: "The least certain parts"}) : null,
         e("div", {className: "cards"}, worst.map(card)),
         dvi.objectTable(),
+        dvi.doubtfulObjects(),
         e("p", {className: "foot", textContent: `Made by dvi ${dvi.data.run.version || "(unknown version)"}, method ${dvi.data.run.method || "unknown"}.`}),
       ].filter(Boolean));
     },

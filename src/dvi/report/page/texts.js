@@ -18,6 +18,10 @@ dvi.texts = {
       ["first frame", ""], ["last frame", ""], ["completed frames", "Frames whose masks, labels, or detections lacked a part of it."],
       ["removed pixels", "In all frames."], ["remains visible", "Frames of the result that still show the object, measured by comparison with the input."]],
     summary: (all, visible) => `${all} object${all === 1 ? "" : "s"}; ${visible === 0 ? "none" : visible} of them remain${visible === 1 ? "s" : ""} visible in the result.`,
+    doubtful: (object, frame, visible) => `Object ${object.object}${object.class ? ` (${object.class})` : ""}, frame ${frame}: ` +
+      (visible ? "it remains visible." : `similarity with the input ${dvi.number(object.residue.highest_score, 2)}.`),
+    publishing: "The removed objects whose worst frame is most similar to the input, as a sheet to look through. objects.csv lists all of them. " +
+      "Objects that neither masks, labels, a detector, nor motion show are in no list.",
     none: "No removed object is known. Mask files without scans do not show which object a pixel belongs to.",
   },
   truth: {
