@@ -38,8 +38,8 @@
   /** The objects of which the result may still show most: their worst frames, before and after. */
   dvi.doubtfulObjects = () => {
     const score = (object) => object.residue.highest_score;
-    const objects = (dvi.data.objects || []).filter((object) => object.residue && object.residue.highest_score_box && score(object) > 0)
-      .sort((a, b) => visibleFrames(b).length - visibleFrames(a).length || score(b) - score(a)).slice(0, doubtful);
+    const objects = (dvi.data.objects || []).filter((object) => object.residue && object.residue.highest_score_box)
+      .sort((a, b) => visibleFrames(b).length - visibleFrames(a).length || score(b) - score(a) || b.removed_pixels - a.removed_pixels).slice(0, doubtful);
     if (!objects.length) return null;
     const card = (object) => {
       const frame = dvi.frames().findIndex((entry) => entry.number === object.residue.highest_score_frame && entry.camera === object.camera);
