@@ -76,9 +76,8 @@ TEST_F(Cameras, HaveFoldersOfTheirOwnAndShareTheOtherFiles) {
 TEST_F(Cameras, AreAuditedAndScoredTogether) {
   stereo_drive();
   ASSERT_EQ(dvi("run drive --camera right,front -o out --quiet").code, 0);
-  for (const char* format : {"holes", "video"})
-    expect_refused(std::string("export ") + format + " out -o refused", 3, "has several cameras (right, front)");
-  expect_refused("import-fill out out/front/frames", 3, "has several cameras");
+  expect_refused("export video out -o refused", 3, "has several cameras (right, front)");
+  expect_refused("import-fill out out/front/frames", 3, "is not a folder");
   EXPECT_EQ(read("out/report.json")["cameras"], (nlohmann::json{"right", "front"})) << "in the given order";
   const Result audit = dvi("audit out drive --json --quiet");
   EXPECT_EQ(audit.code, 0) << audit.out << audit.err;
@@ -139,6 +138,46 @@ TEST_F(Cameras, AreExportedTogether) {
   const std::string mcap = read_file(folder / "mcap/drive.mcap");
   for (const char* topic : {"/front/image/compressed", "/right/image/compressed", "/right/camera_info"})
     EXPECT_THAT(mcap, HasSubstr(topic));
+}
+
+TEST_F(Cameras, NameTheImagesThatAreNotCleaned) {
+  stereo_drive();
+  fs::remove(folder / "drive/images/front/000003.png");
+  fs::remove(folder / "drive/masks/front/000003.png");
+  fs::copy(folder / "drive/images/right", folder / "drive/images/rear");
+  const Result run = dvi("run drive --camera all -o out");
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("1 of 4 images of right are not cleaned"));
+  EXPECT_THAT(run.err, HasSubstr("the images of rear are not used, because dvi.toml has no table [camera.rear]"));
+  EXPECT_EQ(list_files(folder / "out/right/frames", {".png"}).size(), 3U);
+}
+
+TEST_F(Cameras, TakeTheFillOfAnotherProgram) {
+  stereo_drive();
+  ASSERT_EQ(dvi("run drive --camera all -o out --quiet").code, 0);
+  const auto before = contents(folder / "out");
+  ASSERT_EQ(dvi("export holes out -o holes --quiet").code, 0);
+  for (const char* camera : {"front", "right"}) {
+    make_folder(folder / "filled" / camera);
+    for (const fs::path& file : list_files(folder / "holes" / camera / "frames", {".png"})) {
+      cv::Mat image = cv::imread(file.string());
+      image.setTo(cv::Scalar(90, 100, 110), cv::imread((folder / "holes" / camera / "masks" / file.filename()).string(), 0));
+      cv::imwrite((folder / "filled" / camera / file.filename()).string(), image);
+    }
+  }
+  const Result imported = dvi("import-fill out filled --quiet");
+  ASSERT_EQ(imported.code, 0) << imported.err;
+  for (const char* camera : {"front", "right"}) {
+    const cv::Mat kind = cv::imread((folder / "out" / camera / "kind/000002.png").string(), cv::IMREAD_UNCHANGED);
+    EXPECT_GT(cv::countNonZero(kind == 6), 50) << camera;
+    EXPECT_EQ(cv::countNonZero(kind == 4), 0) << camera;
+  }
+  EXPECT_EQ(dvi("audit out drive --quiet").code, 0);
+  ASSERT_EQ(dvi("import-fill out --undo --quiet").code, 0);
+  const auto after = contents(folder / "out");
+  for (const auto& [file, bytes] : before)
+    if (file.ends_with(".png") || file.starts_with("map/")) EXPECT_EQ(after.at(file), bytes) << file;
+  EXPECT_EQ(after.size(), before.size());
 }
 
 TEST_F(Cameras, AreFilledInPiecesWithTheSameBytes) {

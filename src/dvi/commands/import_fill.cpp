@@ -10,6 +10,7 @@
 
 #include "dvi/commands/external_images.h"
 #include "dvi/core/error.h"
+#include "dvi/core/frame_name.h"
 #include "dvi/core/hash.h"
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
@@ -40,6 +41,26 @@ std::vector<char> find_frames_with_holes(const result::FillImport& target) {
   return needed;
 }
 
+/// Returns the image of each frame: from the folder itself, or its folder CAMERA if the result has several.
+Images find_images(const fs::path& folder, const result::FillImport& target, const std::vector<char>& needed) {
+  Images out(needed.size());
+  for (const std::string& camera : list_cameras(target.names())) {
+    std::vector<std::size_t> frames;
+    std::vector<std::string> names;
+    std::vector<char> needed_here;
+    for (std::size_t i = 0; i < needed.size(); ++i)
+      if (camera_of_frame(target.names()[i]) == camera) {
+        frames.push_back(i);
+        names.push_back(image_of_frame(target.names()[i]));
+        needed_here.push_back(needed[i]);
+      }
+    if (!camera.empty() && std::count(needed_here.begin(), needed_here.end(), 1) == 0) continue;
+    const Images found = assign_images(camera.empty() ? folder : folder / camera, names, needed_here);
+    for (std::size_t k = 0; k < frames.size(); ++k) out[frames[k]] = found[k];
+  }
+  return out;
+}
+
 /// Checks all images, which are not used yet.
 void require_usable_images(const fs::path& folder, const result::FillImport& target, const Images& images, Progress& progress) {
   std::vector<ObservedDifference> differences(images.size());
@@ -48,8 +69,8 @@ void require_usable_images(const fs::path& folder, const result::FillImport& tar
   parallel_for(images.size(), [&](std::size_t i) {
     progress.advance();
     if (!images[i]) return;
-    require_color_image(*images[i], target.size());
-    const cv::Mat3b image = media::read_image(*images[i], target.size());
+    require_color_image(*images[i], target.size(i));
+    const cv::Mat3b image = media::read_image(*images[i], target.size(i));
     const result::FillImages run = target.read_run_images(i);
     const cv::Mat1b hole = find_unobserved(run.kind);
     differences[i] = compare_observed(image, run.color, hole);
@@ -64,7 +85,7 @@ void require_usable_images(const fs::path& folder, const result::FillImport& tar
 
 ImportReport import_frame(result::FillImport& target, std::size_t i, const fs::path& file) {
   const std::string bytes = read_file(file);
-  const cv::Mat3b image = media::decode_image(file, bytes, target.size());
+  const cv::Mat3b image = media::decode_image(file, bytes, target.size(i));
   result::FillImages images = target.read_run_images(i);
   const cv::Mat1b hole = find_unobserved(images.kind);
   ImportReport report{1, static_cast<std::size_t>(cv::countNonZero(hole)), 0};
@@ -83,7 +104,7 @@ ImportReport import_fill(const fs::path& out, const fs::path& frames, Progress& 
   const std::vector<char> needed = find_frames_with_holes(target);
   if (std::count(needed.begin(), needed.end(), 1) == 0)
     throw InputError(out, "has no unobserved pixels", "there is nothing to fill");
-  const Images images = assign_images(frames, target.names(), needed);
+  const Images images = find_images(frames, target, needed);
   require_usable_images(frames, target, images, progress);
   target.begin();
   std::vector<ImportReport> parts(images.size());

@@ -13,6 +13,7 @@
 #include "dvi/datasets/depth_scan.h"
 #include "dvi/datasets/drive_config.h"
 #include "dvi/datasets/file_names.h"
+#include "dvi/datasets/folder_images.h"
 #include "dvi/datasets/gps.h"
 #include "dvi/datasets/map_file.h"
 #include "dvi/datasets/pose_file.h"
@@ -30,46 +31,6 @@ namespace dvi::datasets {
 namespace {
 
 using Times = std::map<std::string, std::int64_t>;  // to_name_key() to nanoseconds
-
-// A file and the NAME of its frame or scan.
-struct NamedFile {
-  std::string name;
-  fs::path file;
-};
-
-std::vector<NamedFile> name_files(const std::vector<fs::path>& files) {
-  require_one_file_per_name(files);
-  std::vector<NamedFile> out;
-  for (const fs::path& file : files) out.push_back({file.stem().string(), file});
-  return out;
-}
-
-// Finds the video of a camera, such as images/CAMERA.mp4. Returns an empty path if there is none.
-fs::path find_video(const fs::path& drive, const std::string& camera) {
-  for (const fs::path& file : list_files(drive / "images", media::kVideoEndings))
-    if (file.stem() == camera) return file;
-  return {};
-}
-
-// The images of a camera.
-struct Images {
-  std::vector<NamedFile> files;
-  std::shared_ptr<const media::VideoReader> video;  ///< whose frames the images are; none: the images are files
-};
-
-Images find_images(const fs::path& drive, const std::string& camera) {
-  Images out{name_files(list_files(drive / "images" / camera, kImageEndings)), nullptr};
-  const fs::path video = find_video(drive, camera);
-  if (video.empty()) return out;
-  if (!out.files.empty()) throw InputError(video, "lies beside a folder of images of that camera", "remove one of the two");
-  out.video = std::make_shared<const media::VideoReader>(video);
-  for (std::size_t i = 0; i < out.video->times_ns().size(); ++i) out.files.push_back({fmt::format("{:06}", i), video});
-  return out;
-}
-
-bool has_images(const fs::path& drive, const std::string& camera) {
-  return !list_files(drive / "images" / camera, kImageEndings).empty() || !find_video(drive, camera).empty();
-}
 
 using Spans = std::map<std::string, TimeSpan>;
 
@@ -155,7 +116,7 @@ struct Clocks {
 };
 
 // Returns the times of a video's frames. A file overrides those of the container; its lines are as for images, or seconds only.
-Times read_video_times(const fs::path& file, const Images& images) {
+Times read_video_times(const fs::path& file, const FolderImages& images) {
   Times times;
   if (!fs::exists(file)) {
     for (std::size_t i = 0; i < images.files.size(); ++i)
@@ -173,7 +134,7 @@ Times read_video_times(const fs::path& file, const Images& images) {
   return times;
 }
 
-Clocks read_video_clocks(Drive& drive, const Images& images, const std::vector<NamedFile>& scans, double rate) {
+Clocks read_video_clocks(Drive& drive, const FolderImages& images, const std::vector<NamedFile>& scans, double rate) {
   Clocks clocks;
   clocks.camera_file = drive.path / "times" / (drive.camera_name + ".txt");
   clocks.lidar_file = drive.path / "times" / "lidar.txt";
@@ -273,7 +234,7 @@ DriveConfig read_config(const fs::path& path) {
 // The source of the geometry.
 enum class Geometry { scans, depth, map };
 
-void set_camera(Drive& drive, const DriveConfig& config, const Images& images, Geometry geometry) {
+void set_camera(Drive& drive, const DriveConfig& config, const FolderImages& images, Geometry geometry) {
   const CameraConfig camera = config.camera(drive.camera_name);
   const std::string table = "[camera." + drive.camera_name + "]";
   if (!camera.K) throw InputError(config.file, table + " has no K", "add K = [fx, 0, cx, 0, fy, cy, 0, 0, 1] in pixels");
@@ -321,9 +282,10 @@ DriveContents read_folder(const fs::path& path, const ReadOptions& options) {
     warn_of_unread_images(drive, path / "images" / name);
   }
   if (drive.camera_names.empty()) fail_without_cameras(path, config);
+  if (const auto others = describe_uncalibrated_cameras(path, config)) drive.warnings.push_back(*others);
   drive.camera_name = choose_camera(drive, options.camera, config.usual_camera);
 
-  const Images images = find_images(path, drive.camera_name);
+  const FolderImages images = find_images(path, drive.camera_name);
   std::vector<NamedFile> scans = name_files(list_files(path / "lidar", {".bin", ".ply", ".pcd"}));
   const std::optional<fs::path> map = find_map(path);
   Geometry geometry = Geometry::scans;

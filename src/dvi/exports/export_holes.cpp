@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/frame_name.h"
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/exports/exporter.h"
@@ -18,7 +19,7 @@ namespace {
 
 // Returns the pose and the intrinsics of a frame. The pixel centers are at whole numbers, as in sources.json.
 nlohmann::json make_camera(const Result& result, const ResultFrame& frame) {
-  const auto& [name, c] = result.only_camera();
+  const auto& [name, c] = result.cameras()[frame.camera];
   const SE3& pose = frame.world_from_camera;
   nlohmann::json rows = nlohmann::json::array();
   for (int r = 0; r < 3; ++r) rows.push_back({pose.R(r, 0), pose.R(r, 1), pose.R(r, 2), pose.t[r]});
@@ -31,12 +32,15 @@ nlohmann::json make_camera(const Result& result, const ResultFrame& frame) {
 }
 
 ExportReport write_holes(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
-  result.only_camera();
   const bool in_pairs = options.layout == HoleLayout::pairs;
   const char* const frames_folder = in_pairs ? "pairs" : "frames";
   const char* const masks_folder = in_pairs ? "pairs" : "masks";
   const char* const mask_ending = in_pairs ? "_mask.png" : ".png";
-  for (const char* name : {frames_folder, masks_folder, "depth", "cameras"}) make_folder(folder / name);
+  const auto find_file = [&](const ResultFrame& frame, const std::string& kind, const std::string& ending) {
+    return (folder / picture_file(kind, frame.name)).replace_extension().concat(ending);  // kind/NAME, or CAMERA/kind/NAME
+  };
+  for (const char* name : {frames_folder, masks_folder, "depth", "cameras"})
+    for (const ResultFrame& frame : result.frames()) make_folder(find_file(frame, name, "").parent_path());
   std::atomic<std::size_t> frames = 0, pixels = 0;
   parallel_for(result.frames().size(), [&](std::size_t i) {
     const ResultFrame& frame = result.frames()[i];
@@ -47,11 +51,11 @@ ExportReport write_holes(const Result& result, const fs::path& folder, const Exp
     const cv::Mat1b mask = grown(unobserved, options.grow_px);
     // Programs that fill pairs work on each image alone and need no frames without holes; programs for videos need all frames.
     if (!in_pairs || cv::countNonZero(mask) > 0) {
-      copy_picture(result.picture("frames", i), folder / frames_folder / (frame.name + ".png"));
-      media::write_png(folder / masks_folder / (frame.name + mask_ending), mask);
+      copy_picture(result.picture("frames", i), find_file(frame, frames_folder, ".png"));
+      media::write_png(find_file(frame, masks_folder, mask_ending), mask);
     }
-    copy_picture(result.picture("depth", i), folder / "depth" / (frame.name + ".png"));
-    write_file(folder / "cameras" / (frame.name + ".json"), json_text(make_camera(result, frame)) + "\n");
+    copy_picture(result.picture("depth", i), find_file(frame, "depth", ".png"));
+    write_file(find_file(frame, "cameras", ".json"), json_text(make_camera(result, frame)) + "\n");
     progress.advance();
   });
   if (pixels == 0)
@@ -59,6 +63,8 @@ ExportReport write_holes(const Result& result, const fs::path& folder, const Exp
   const auto all = static_cast<double>(result.frames().size());
   std::vector<std::string> files{"frames", "masks"};
   if (in_pairs) files = {"pairs"};
+  if (result.cameras().size() > 1)
+    for (std::string& file : files) file = "CAMERA/" + file;
   return {files,
           {{"frames", all}, {"frames with holes", static_cast<double>(frames)}, {"pixels", static_cast<double>(pixels)}}};
 }

@@ -123,6 +123,17 @@ void share_boxes(const Drive& from, Drive& to) {
   to.labeled_around = from.labeled_around;
 }
 
+/// Names the images of a cleaned camera that no images of the drive's own camera accompany: they are not cleaned, because the
+/// objects at their times are not known.
+void warn_of_other_times(const Drive& own, Drive& cleaned, datasets::ReadOptions read) {
+  read.span = std::nullopt;
+  const std::size_t all = datasets::read_drive(own.path, read).frames.size();
+  if (all > cleaned.frames.size())
+    cleaned.warnings.push_back(
+        fmt::format("{} of {} images of {} are not cleaned, because they are before the first or after the last image of {}",
+                    all - cleaned.frames.size(), all, cleaned.camera_name, own.camera_name));
+}
+
 /// A camera of a recording.
 struct CameraToOpen {
   std::size_t drive = 0;  ///< index of the recording of the drive's own camera
@@ -139,6 +150,7 @@ Recording open_camera(const Recordings& drives, const CameraToOpen& asked, const
   read.topics = choice.topics;
   Recording open{datasets::read_drive(own.drive.path, read)};
   Drive& drive = open.drive;
+  if (is_cleaned && choice.frames.empty()) warn_of_other_times(own.drive, drive, read);
   drive.scan_headers = own.drive.scan_headers;
   drive.scans = own.drive.scans;
   drive.map = own.drive.map;

@@ -32,9 +32,12 @@ using nlohmann::json;
 
 constexpr const char* kRunAgain = "run the same dvi run again, which makes damaged parts again";
 constexpr std::array<const char*, 2> kChangedPictures{"frames", "kind"};
-constexpr std::array<const char*, 3> kMedia{"video.mp4", "compare.mp4", "contact.png"};
 
-std::string picture(const std::string& folder, const std::string& name) { return folder + "/" + name + ".png"; }
+/// Returns whether a file is a video or contact sheet of a camera, which an import writes again.
+bool is_media(const std::string& file) {
+  const std::string name = fs::path(file).filename().string();
+  return name == "video.mp4" || name == "compare.mp4" || name == "contact.png";
+}
 
 Manifest read_frame(const fs::path& out, const std::string& name) {
   const std::optional<Manifest> manifest = read_manifest(frame_manifest(out, name));
@@ -82,13 +85,11 @@ FillImport::FillImport(const fs::path& out) : out_(require_result(out)), lock_(o
   job_.out = out.string();
   names_ = report->frame_names();
   if (names_.empty()) throw InputError(out, "has no frames");
-  if (list_cameras(names_).size() > 1)
-    throw InputError(out, "has several cameras", "import the fill into a result of one camera (dvi run --camera NAME)");
   fingerprint_ = read_frame(out, names_.front()).fingerprint;
   for (const std::string& name : names_)
     if (read_frame(out, name).fingerprint != fingerprint_)
       throw InputError(out, "has frames of different runs, such as " + names_.front() + " and " + name, kRunAgain);
-  size_ = media::image_size(out / picture("masks", names_.front()));
+  for (const std::string& name : names_) sizes_.push_back(media::image_size(out / picture_file("masks", name)));
   require_other_files();
   require_inputs();
 }
@@ -97,7 +98,7 @@ void FillImport::require_other_files() const {
   const std::optional<Manifest> manifest = read_manifest(result_manifest(out_));
   if (!manifest) throw InputError(out_, "is not a finished result of dvi run", kRunAgain);
   for (const ListedFile& listed : manifest->files)
-    if (std::find(kMedia.begin(), kMedia.end(), listed.file) == kMedia.end() && !has_hash(out_ / listed.file, listed.hash))
+    if (!is_media(listed.file) && !has_hash(out_ / listed.file, listed.hash))
       throw InputError(out_ / listed.file, "differs from the file that the run wrote", kRunAgain);
 }
 
@@ -108,7 +109,7 @@ void FillImport::require_inputs() const {
 }
 
 fs::path FillImport::find_run_file(std::size_t frame, const std::string& folder) const {
-  const std::string file = picture(folder, names_[frame]);
+  const std::string file = picture_file(folder, names_[frame]);
   const std::optional<std::string> hash = find_run_hash(read_frame(out_, names_[frame]), file);
   // An interrupted import has replaced the image, but not its hash in the manifest.
   for (const fs::path& path : {out_ / file_before_import(file), out_ / file})
@@ -117,12 +118,15 @@ fs::path FillImport::find_run_file(std::size_t frame, const std::string& folder)
 }
 
 FillImages FillImport::read_run_images(std::size_t frame) const {
-  return {media::read_image(find_run_file(frame, "frames"), size_), media::read_png_gray(find_run_file(frame, "kind"), size_)};
+  return {media::read_image(find_run_file(frame, "frames"), sizes_[frame]),
+          media::read_png_gray(find_run_file(frame, "kind"), sizes_[frame])};
 }
 
 void FillImport::begin() {
-  for (const char* folder : kChangedPictures) make_folder(out_ / file_before_import(folder));
-  for (const fs::path& folder : list_own_folders(out_, {""}))
+  const std::vector<std::string> cameras = list_cameras(names_);
+  for (const std::string& camera : cameras)
+    for (const char* folder : kChangedPictures) make_folder(out_ / file_before_import(join_frame_name(camera, folder)));
+  for (const fs::path& folder : list_own_folders(out_, cameras))
     if (fs::exists(folder)) remove_temporaries(folder);  // an interrupted import leaves some
   Manifest manifest = *read_manifest(result_manifest(out_));
   manifest.fingerprint.clear();
@@ -130,7 +134,7 @@ void FillImport::begin() {
 }
 
 void FillImport::keep_run_file(std::size_t frame, const std::string& folder) {
-  const fs::path kept = out_ / file_before_import(picture(folder, names_[frame]));
+  const fs::path kept = out_ / file_before_import(picture_file(folder, names_[frame]));
   if (const fs::path file = find_run_file(frame, folder); file != kept) write_file(kept, read_file(file));
 }
 
@@ -140,8 +144,8 @@ void FillImport::write_frame_manifest(std::size_t frame, const std::optional<Ext
   std::erase_if(manifest.files, is_before_import);
   std::vector<std::string> changed;
   for (const char* folder : kChangedPictures) {
-    changed.push_back(picture(folder, name));
-    if (external) changed.push_back(file_before_import(picture(folder, name)));
+    changed.push_back(picture_file(folder, name));
+    if (external) changed.push_back(file_before_import(picture_file(folder, name)));
   }
   for (const ListedFile& listed : list_contents(out_, changed)) {
     const auto old =
@@ -149,7 +153,7 @@ void FillImport::write_frame_manifest(std::size_t frame, const std::optional<Ext
     old != manifest.files.end() ? * old = listed : manifest.files.emplace_back(listed);
   }
   json content = *manifest.content;
-  content["hole"] = count_hole(media::read_png_gray(out_ / picture("kind", name), size_));
+  content["hole"] = count_hole(media::read_png_gray(out_ / picture_file("kind", name), sizes_[frame]));
   content.erase("external");
   if (external) content["external"] = *external;
   manifest.content = std::make_shared<const json>(std::move(content));
@@ -160,8 +164,8 @@ void FillImport::write(std::size_t frame, const FillImages& images, const Extern
   const std::string& name = names_[frame];
   for (const char* folder : kChangedPictures) keep_run_file(frame, folder);
   remove_report_frame_manifest(out_, name);
-  media::write_png(out_ / picture("kind", name), images.kind);
-  media::write_png(out_ / picture("frames", name), images.color);
+  media::write_png(out_ / picture_file("kind", name), images.kind);
+  media::write_png(out_ / picture_file("frames", name), images.color);
   write_frame_manifest(frame, external);
 }
 
@@ -169,20 +173,20 @@ void FillImport::remove(std::size_t frame) {
   const std::string& name = names_[frame];
   // An interrupted import may have replaced an image of a frame that is not marked as imported.
   for (const char* folder : kChangedPictures) {
-    const fs::path file = find_run_file(frame, folder), current = out_ / picture(folder, name);
+    const fs::path file = find_run_file(frame, folder), current = out_ / picture_file(folder, name);
     if (file == current) continue;
     remove_report_frame_manifest(out_, name);
     write_file(current, read_file(file));
   }
   if (is_imported(frame)) write_frame_manifest(frame, std::nullopt);
-  for (const char* folder : kChangedPictures) fs::remove(out_ / file_before_import(picture(folder, name)));
+  for (const char* folder : kChangedPictures) fs::remove(out_ / file_before_import(picture_file(folder, name)));
 }
 
 cv::Mat3b FillImport::read_input(std::size_t frame) const {
   const fs::path file = out_ / report::before_file(frame);
-  const cv::Mat hole = media::read_unchanged(file, size_);
+  const cv::Mat hole = media::read_unchanged(file, sizes_[frame]);
   if (hole.type() != CV_8UC4) throw InputError(file, "is not as written by dvi", "dvi report OUT writes it again");
-  cv::Mat3b input = media::read_image(out_ / picture("frames", names_[frame]), size_);
+  cv::Mat3b input = media::read_image(out_ / picture_file("frames", names_[frame]), sizes_[frame]);
   for (int y = 0; y < input.rows; ++y)
     for (int x = 0; x < input.cols; ++x)
       if (const auto& pixel = hole.at<cv::Vec4b>(y, x); pixel[3] != 0) input(y, x) = {pixel[0], pixel[1], pixel[2]};
@@ -213,19 +217,31 @@ void FillImport::write_reports(Progress& progress) const {
   for (std::size_t i = 0; i < names_.size(); ++i) write_report_frame_manifest(out_, names_[i], i, fingerprint_);
 }
 
-void FillImport::finish(Progress& progress) {
+void FillImport::write_videos(Progress& progress) const {
   progress.begin("video", names_.size());
-  write_media(out_, {names_, size_, [&](std::size_t i) { return read_input(i); }}, job_.options.video, progress.tick());
+  std::size_t first = 0;
+  for (const std::string& camera : list_cameras(names_)) {
+    FinishedFrames frames{{}, sizes_[first], [this, first](std::size_t i) { return read_input(first + i); }};
+    for (std::size_t i = first; i < names_.size() && camera_of_frame(names_[i]) == camera; ++i)
+      frames.names.push_back(names_[i]);
+    write_media(out_, frames, job_.options.video, progress.tick());
+    first += frames.names.size();
+  }
   progress.end();
+}
+
+void FillImport::finish(Progress& progress) {
+  write_videos(progress);
   write_reports(progress);
-  const std::array<std::string, 2> folders{file_before_import("frames"), file_before_import("kind")};
   std::error_code in_use;  // folders of other imported frames remain
-  for (const std::string& folder : folders) fs::remove(out_ / folder, in_use);
-  fs::remove((out_ / folders.front()).parent_path(), in_use);
+  for (const std::string& camera : list_cameras(names_)) {
+    for (const char* folder : kChangedPictures) fs::remove(out_ / file_before_import(join_frame_name(camera, folder)), in_use);
+    if (!camera.empty()) fs::remove(out_ / file_before_import(camera), in_use);
+  }
+  fs::remove(out_ / file_before_import(""), in_use);
   Manifest manifest = *read_manifest(result_manifest(out_));
   for (ListedFile& listed : manifest.files)
-    if (std::find(kMedia.begin(), kMedia.end(), listed.file) != kMedia.end())
-      listed = list_contents(out_, {listed.file}).front();
+    if (is_media(listed.file)) listed = list_contents(out_, {listed.file}).front();
   manifest.fingerprint = fingerprint_;
   write_manifest(result_manifest(out_), manifest);
 }

@@ -42,8 +42,8 @@ class FillImport {
   /// not imported differs from the one that the run wrote, or if another process writes to the folder.
   explicit FillImport(const fs::path& out);
 
-  const std::vector<std::string>& names() const { return names_; }  ///< of the frames, in the order of the drive
-  cv::Size size() const { return size_; }
+  const std::vector<std::string>& names() const { return names_; }  ///< of the frames, camera by camera, in order of time
+  cv::Size size(std::size_t frame) const { return sizes_[frame]; }
   /// Returns whether the fill of a frame was imported.
   bool is_imported(std::size_t frame) const { return read_external_file(out_, names_[frame]).has_value(); }
 
@@ -66,14 +66,15 @@ class FillImport {
   void require_inputs() const;
   void require_other_files() const;
   cv::Mat3b read_input(std::size_t frame) const;
+  void write_videos(Progress& progress) const;
   void write_reports(Progress& progress) const;
 
   fs::path out_;
   FolderLock lock_;
   std::vector<std::string> names_;
-  cv::Size size_;
-  job::Job job_;             // the options in OUT/dvi.toml
-  std::string fingerprint_;  // the run's
+  std::vector<cv::Size> sizes_;  // by frame: that of its camera
+  job::Job job_;                 // the options in OUT/dvi.toml
+  std::string fingerprint_;      // the run's
 };
 
 }  // namespace dvi::result
