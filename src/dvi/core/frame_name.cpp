@@ -1,6 +1,8 @@
 #include "dvi/core/frame_name.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <utility>
 
 namespace dvi {
 namespace {
@@ -37,6 +39,32 @@ std::vector<std::string> list_cameras(const std::vector<std::string>& frames) {
     if (const std::string camera = camera_of_frame(frame); std::find(cameras.begin(), cameras.end(), camera) == cameras.end())
       cameras.push_back(camera);
   return cameras;
+}
+
+FrameImages::FrameImages(fs::path folder, const std::vector<std::string>& frames) : folder_(std::move(folder)) {
+  const std::vector<std::string> cameras = list_cameras(frames);
+  if (cameras.size() < 2 || list_files(folder_, {".png"}).empty()) return;
+  const auto has_folder = [&](const std::string& camera) { return fs::is_directory(folder_ / camera); };
+  if (std::count_if(cameras.begin(), cameras.end(), has_folder) + 1 == static_cast<std::ptrdiff_t>(cameras.size()))
+    camera_beside_ = *std::find_if_not(cameras.begin(), cameras.end(), has_folder);
+}
+
+fs::path FrameImages::file(const std::string& frame) const {
+  const bool is_beside = !camera_beside_.empty() && camera_of_frame(frame) == camera_beside_;
+  return folder_ / ((is_beside ? image_of_frame(frame) : frame) + ".png");
+}
+
+std::vector<std::string> FrameImages::list() const {
+  std::vector<std::string> frames;
+  for (const fs::path& file : list_files(folder_, {".png"}))
+    frames.push_back(join_frame_name(camera_beside_, file.stem().string()));
+  if ((!frames.empty() && camera_beside_.empty()) || !fs::is_directory(folder_)) return frames;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_))
+    if (entry.is_directory())
+      for (const fs::path& file : list_files(entry.path(), {".png"}))
+        frames.push_back(join_frame_name(entry.path().filename().string(), file.stem().string()));
+  std::sort(frames.begin(), frames.end());
+  return frames;
 }
 
 std::vector<std::string> list_frames(const fs::path& out) {

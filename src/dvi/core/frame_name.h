@@ -25,6 +25,21 @@ std::string picture_file(const std::string& folder, const std::string& frame);
 /// Lists the cameras in the names of frames, each once; one empty name if the result has one camera.
 std::vector<std::string> list_cameras(const std::vector<std::string>& frames);
 
+/// The images of frames in a folder: NAME.png, or CAMERA/NAME.png if the result has several cameras. If one of them has no
+/// folder, its images are those beside the folders of the others, as `dvi synth` writes the truth of the first camera.
+class FrameImages {
+ public:
+  FrameImages(fs::path folder, const std::vector<std::string>& frames);
+
+  fs::path file(const std::string& frame) const;
+  /// Lists the frames whose images the folder has; they may be others than those of the result.
+  std::vector<std::string> list() const;
+
+ private:
+  fs::path folder_;
+  std::string camera_beside_;  ///< the one without a folder; empty: none
+};
+
 /// Lists the frames NAME.png of a result (OUT/frames/, or OUT/CAMERA/frames/ of every camera) in natural order.
 std::vector<std::string> list_frames(const fs::path& out);
 

@@ -46,5 +46,22 @@ TEST(FrameName, FramesOfAResultAreListed) {
   EXPECT_THAT(list_frames(out), ElementsAre("7"));
 }
 
+TEST(FrameName, ImagesOfOneCameraMayLieBesideTheFoldersOfTheOthers) {
+  const TempFolder temporary;
+  const fs::path truth = temporary.path;
+  for (const char* file : {"1.png", "2.png", "right/1.png", "left/1.png"}) {
+    make_folder((truth / file).parent_path());
+    write_file(truth / file, "");
+  }
+  const FrameImages rig(truth, {"front/1", "left/1", "right/1"});
+  EXPECT_EQ(rig.file("front/1"), truth / "1.png");
+  EXPECT_EQ(rig.file("right/1"), truth / "right/1.png");
+  EXPECT_THAT(rig.list(), ElementsAre("front/1", "front/2", "left/1", "right/1"));
+  EXPECT_EQ(FrameImages(truth, {"1"}).file("1"), truth / "1.png");
+  EXPECT_THAT(FrameImages(truth, {"1"}).list(), ElementsAre("1", "2"));
+  const FrameImages unclear(truth, {"front/1", "rear/1", "right/1"});
+  EXPECT_EQ(unclear.file("front/1"), truth / "front/1.png") << "two cameras have no folder";
+}
+
 }  // namespace
 }  // namespace dvi

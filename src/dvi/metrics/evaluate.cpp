@@ -25,19 +25,6 @@
 namespace dvi::metrics {
 namespace {
 
-/// Lists the images NAME.png of a folder; those in its subfolders, named after cameras, if it has none.
-std::vector<std::string> list_names(const fs::path& folder) {
-  std::vector<std::string> names;
-  for (const fs::path& file : list_files(folder, {".png"})) names.push_back(file.stem().string());
-  if (!names.empty() || !fs::is_directory(folder)) return names;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
-    if (entry.is_directory())
-      for (const fs::path& file : list_files(entry.path(), {".png"}))
-        names.push_back(join_frame_name(entry.path().filename().string(), file.stem().string()));
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
 std::string join_first(const std::vector<std::string>& names) {
   constexpr std::size_t kMaxShown = 5;
   std::string text;
@@ -62,12 +49,12 @@ std::vector<std::string> check_folders(const EvaluationFolders& folders) {
                        "give the folder that `dvi run` wrote");
   if (names.empty()) throw InputError(folders.out / "frames", "has no frames", "give the folder that `dvi run` wrote");
   if (folders.truth.empty()) return names;
-  const std::vector<std::string> truths = list_names(folders.truth);
-  if (truths.empty()) throw InputError(folders.truth, "has no PNG files", "give the folder of the true frames, NAME.png");
-  if (!folders.ignore.empty() && subtract(names, list_names(folders.ignore)).size() == names.size())
+  if (FrameImages(folders.truth, names).list().empty())
+    throw InputError(folders.truth, "has no PNG files", "give the folder of the true frames, NAME.png");
+  if (!folders.ignore.empty() && subtract(names, FrameImages(folders.ignore, names).list()).size() == names.size())
     throw InputError(folders.ignore, "has no NAME.png for any frame of " + folders.out.string(),
                      "give the folder with the masks of ignored pixels");
-  if (!folders.masks.empty() && subtract(names, list_names(folders.masks)).size() == names.size())
+  if (!folders.masks.empty() && subtract(names, FrameImages(folders.masks, names).list()).size() == names.size())
     throw InputError(folders.masks, "has no NAME.png for any frame of " + folders.out.string(),
                      "give the folder with the masks of scored pixels");
   for (const ExternalFrames& external : folders.external)
@@ -90,7 +77,8 @@ cv::Mat1b load_scored(const EvaluationFolders& folders, const cv::Mat1b& removed
 }
 
 /// Loads a frame of the run, or of another program.
-ScoredFrame load(const EvaluationFolders& folders, const ExternalFrames* external, const std::string& name) {
+ScoredFrame load(const EvaluationFolders& folders, const FrameImages& truth, const ExternalFrames* external,
+                 const std::string& name) {
   const std::string file = name + ".png";
   const cv::Size size = media::image_size(folders.out / picture_file("frames", name));
   ScoredFrame frame;
@@ -101,9 +89,9 @@ ScoredFrame load(const EvaluationFolders& folders, const ExternalFrames* externa
   frame.scored = load_scored(folders, removed, file);
   if (cv::countNonZero(frame.scored) == 0) return frame;
 
-  if (!fs::exists(folders.truth / file))
-    throw InputError(folders.truth / file, "is missing", "every frame with a mask requires its truth");
-  frame.truth = media::read_image(folders.truth / file, size);
+  const fs::path true_image = truth.file(name);
+  if (!fs::exists(true_image)) throw InputError(true_image, "is missing", "every frame with a mask requires its truth");
+  frame.truth = media::read_image(true_image, size);
   const cv::Mat1b changed(removed | frame.scored);
   if (external)
     media::read_image(find_frame(*external, name), size).copyTo(frame.result, changed);
@@ -159,7 +147,8 @@ struct Collector {
 Evaluation score(const EvaluationFolders& folders, const ExternalFrames* external, const std::vector<std::string>& names,
                  const Tick& tick) {
   Collector collector;
-  const std::vector<std::string> missing = subtract(list_names(folders.truth), names);
+  const FrameImages truth(folders.truth, names);
+  const std::vector<std::string> missing = subtract(truth.list(), names);
   if (!missing.empty())
     collector.evaluation.warnings.push_back(std::to_string(missing.size()) +
                                             " frames of the truth are not in the result: " + join_first(missing));
@@ -168,7 +157,7 @@ Evaluation score(const EvaluationFolders& folders, const ExternalFrames* externa
   for_blocks(names.size(), [&](std::size_t first, std::size_t last) {
     const std::size_t count = last - first;
     std::vector<ScoredFrame> frames(count);
-    parallel_for(count, [&](std::size_t i) { frames[i] = load(folders, external, names[first + i]); });
+    parallel_for(count, [&](std::size_t i) { frames[i] = load(folders, truth, external, names[first + i]); });
     std::vector<Tally> tallies(count);
     parallel_for(count, [&](std::size_t i) {
       const ScoredFrame* before = i > 0 ? &frames[i - 1] : &previous;

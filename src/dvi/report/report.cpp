@@ -96,7 +96,7 @@ struct FrameEntry {
 class ReportWriter {
  public:
   explicit ReportWriter(const ReportInput& input)
-      : in_(input), out_(input.out), problems_(input.problems), names_(input.names) {
+      : in_(input), out_(input.out), truth_(input.truth, input.names), problems_(input.problems), names_(input.names) {
     const json listed = read_document(out_, "sources.json", problems_);
     const auto is_source = [](const json& source) { return source.is_object(); };
     if (listed.is_object() && listed.contains("sources") &&
@@ -188,7 +188,7 @@ class ReportWriter {
   cv::Mat1b compute_error(std::size_t i, const FramePictures& pictures) const {
     if (in_.truth.empty()) return {};
     const cv::Size size = pictures.kind.size();
-    const cv::Mat3b truth = read_frame(in_.truth / (names_[i] + ".png"), size);
+    const cv::Mat3b truth = read_frame(truth_.file(names_[i]), size);
     const cv::Mat3b frame = read_frame(out_ / picture_file("frames", names_[i]), size);
     if (truth.empty() || frame.empty()) return {};
     write_patch(out_ / make_path("truth/", i, ".png"), truth, pictures.kind);
@@ -268,6 +268,7 @@ class ReportWriter {
 
   const ReportInput& in_;
   const fs::path out_;
+  const FrameImages truth_;
   std::vector<std::string> problems_, names_;
   json list_ = json::array(), objects_, above_;
   std::size_t own_ = 0;  // number of sources that are frames of the target
