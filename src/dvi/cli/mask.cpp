@@ -27,12 +27,14 @@ void add_mask(Program& program) {
   command.run([a] {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    const std::string report = commands::make_masks(a->options.job(a->out, a->drive, {}), progress);
+    const job::Job job = a->options.job(a->out, a->drive, {});
+    const std::string report = commands::make_masks(job, progress);
     progress.end();
     if (a->common.json)
       fmt::print("{}\n", report);
     else
-      fmt::print("{0}/contact.png  the masks on the frames\n{0}/masks        one PNG per frame: dvi run --masks {0}\n", a->out);
+      fmt::print("{0}/{1}contact.png  the masks on the frames\n{0}/masks        one PNG per frame: dvi run --masks {0}\n",
+                 a->out, job::has_other_cameras(job.read.camera) ? "CAMERA/" : "");
   });
 }
 

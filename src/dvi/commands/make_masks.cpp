@@ -12,6 +12,7 @@
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/inputs/collect_evidence.h"
+#include "dvi/inputs/rig.h"
 #include "dvi/labels/mask_folder.h"
 #include "dvi/labels/write_labels.h"
 #include "dvi/media/contact_sheet.h"
@@ -93,47 +94,78 @@ int dilation_px(const inputs::Recording& open, const objects::MaskOptions& optio
   return from.contains(MaskSource::files) ? options.file_dilation_px() : 0;
 }
 
+// Opens the drive once for each of its cameras whose masks are wanted.
+inputs::Recordings open_cameras(const job::Job& job, Progress& progress) {
+  inputs::Recordings drives{inputs::open_recording(job.target, job.read, inputs::MaskNeed::required, progress)};
+  if (!job::has_other_cameras(job.read.camera)) return drives;
+  drives.front().is_cleaned = true;
+  job::Job without_sources = job;
+  without_sources.read.source_cameras = "none";
+  return inputs::add_other_cameras(std::move(drives), without_sources, progress);
+}
+
+// The masks of a camera, and how they were found.
+struct MadeMasks {
+  const inputs::Recording& open;
+  const objects::CameraMasks& found;
+  const Trajectory& world_from_lidar;
+};
+
+// Writes the masks of a camera, and the sheet and lists in the folder `lists`. Returns masks.json.
+nlohmann::json write_masks(const MadeMasks& made, const job::Job& job, const fs::path& lists, Progress& progress) {
+  const auto& [open, found, world_from_lidar] = made;
+  const Drive& drive = open.drive;
+  const fs::path folder = labels::camera_masks(job.out, drive.camera_name);
+  make_folder(folder);
+  make_folder(lists);
+  std::vector<double> shares(drive.frames.size());
+  const Lazy<cv::Mat1b>& masks = found.images;
+  parallel_for(drive.frames.size(), [&](std::size_t i) {
+    const cv::Mat1b& mask = *masks[i];
+    shares[i] = static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(mask.total());
+    media::write_png(folder / (drive.frames[i].name + ".png"), mask);
+    progress.advance();
+  });
+  media::write_png(lists / "contact.png", make_sheet(drive, masks));
+  nlohmann::json frames = nlohmann::json::array();
+  for (std::size_t i = 0; i < shares.size(); ++i)
+    frames.push_back({{"number", drive.frames[i].number}, {"name", drive.frames[i].name}, {"share", shares[i]}});
+  nlohmann::json report{{"schema", "dvi-masks/1"},
+                        {"drive", drive.path.string()},
+                        {"camera", drive.camera_name},
+                        {"source", inputs::mask_source(open)},
+                        {"remove", to_string(job.read.remove)},
+                        {"dilate_px", dilation_px(open, job.options.masks)},
+                        {"tracks", tracks_json(open, *found.objects.labels, world_from_lidar)},
+                        {"frames", frames}};
+  write_file(lists / "masks.json", json_text(report) + "\n");
+  const labels::DrawnLabels drawn = outline_masks(drive, found);
+  labels::write_coco(lists / "coco.json", drawn);
+  labels::write_cvat(lists / "annotations.xml", drawn);
+  return report;
+}
+
 }  // namespace
 
 std::string make_masks(const job::Job& job, Progress& progress) {
   result::require_apart(job);
   require_empty(job.out, "masks");  // existing masks may have been edited by hand
-  job::require_one_camera(job.read.camera, "dvi mask");
-  const inputs::Recordings drives{inputs::open_recording(job.target, job.read, inputs::MaskNeed::required, progress)};
+  const inputs::Recordings drives = open_cameras(job, progress);
   inputs::verify(drives, job, progress);
   const inputs::Poses poses = inputs::estimate_poses(drives, job, progress);
   const objects::Masks masks = inputs::find_masks(drives, poses, job, progress);
-  const inputs::Recording& open = drives.front();
-  const Drive& drive = open.drive;
-  const objects::CameraMasks& found = masks.front();
-  const fs::path out = job.out, folder = labels::camera_masks(out, drive.camera_name);
-  make_folder(folder);
-  std::vector<double> shares(drive.frames.size());
-  progress.begin("write", drive.frames.size());
-  parallel_for(drive.frames.size(), [&](std::size_t i) {
-    const cv::Mat1b& mask = *found.images[i];
-    shares[i] = static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(mask.total());
-    media::write_png(folder / (drive.frames[i].name + ".png"), mask);
-    progress.advance();
-  });
-  media::write_png(out / "contact.png", make_sheet(drive, found.images));
-  nlohmann::json frames = nlohmann::json::array();
-  for (std::size_t i = 0; i < shares.size(); ++i)
-    frames.push_back({{"number", drive.frames[i].number}, {"name", drive.frames[i].name}, {"share", shares[i]}});
-  const std::string text = json_text({{"schema", "dvi-masks/1"},
-                                      {"drive", drive.path.string()},
-                                      {"camera", drive.camera_name},
-                                      {"source", inputs::mask_source(open)},
-                                      {"remove", to_string(job.read.remove)},
-                                      {"dilate_px", dilation_px(open, job.options.masks)},
-                                      {"tracks", tracks_json(open, *found.objects.labels, poses.front().world_from_lidar)},
-                                      {"frames", frames}});
-  write_file(out / "masks.json", text + "\n");
-  const labels::DrawnLabels drawn = outline_masks(drive, found);
-  labels::write_coco(out / "coco.json", drawn);
-  labels::write_cvat(out / "annotations.xml", drawn);
+  const fs::path out = job.out;
+  std::size_t frames = 0;
+  for (const inputs::Recording& open : drives) frames += open.drive.frames.size();
+  progress.begin("write", frames);
+  nlohmann::json reports = nlohmann::json::array();
+  for (std::size_t k = 0; k < drives.size(); ++k) {
+    const fs::path lists = job::has_other_cameras(job.read.camera) ? out / drives[k].drive.camera_name : out;
+    reports.push_back(write_masks({drives[k], masks[k], poses[k].world_from_lidar}, job, lists, progress));
+  }
   progress.end();
-  return text;
+  if (!job::has_other_cameras(job.read.camera)) return json_text(reports.front());
+  return json_text({{"schema", "dvi-masks/1"}, {"drive", drives.front().drive.path.string()}, {"cameras", reports}});
 }
 
 }  // namespace dvi::commands

@@ -10,7 +10,8 @@ namespace dvi::commands {
 
 /// Runs `dvi mask`: finds the objects that a run removes from job.target, and writes job.out/masks/CAMERA/NAME.png, which
 /// `--masks` reads, contact.png, masks.json, and the masks as polygons in coco.json and annotations.xml (CVAT). Returns
-/// masks.json. Throws InputError if job.out is not empty, or is, contains, or is inside of an input.
+/// masks.json. With several cameras (job.read.camera), each has its sheet and lists in job.out/CAMERA, and those of all are
+/// returned. Throws InputError if job.out is not empty, or is, contains, or is inside of an input.
 std::string make_masks(const job::Job& job, Progress& progress);
 
 }  // namespace dvi::commands
