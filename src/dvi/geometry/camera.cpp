@@ -84,6 +84,15 @@ Eigen::Matrix<double, 2, 3> differentiate_panorama(const Camera& camera, const E
   return out;
 }
 
+/// In a panorama of the full turn, moves positions between the last and the first column to the nearer one, at most half a
+/// pixel: each direction is in the image.
+Eigen::Vector2d close_seam(const Camera& camera, Eigen::Vector2d pixel) {
+  const double period = camera.period_px();
+  if (std::abs(period - camera.width) > 0.5) return pixel;
+  pixel.x() -= period * std::floor((pixel.x() + 0.5) / period);
+  return {std::clamp(pixel.x(), 0.0, camera.width - 1.0), pixel.y()};
+}
+
 }  // namespace
 
 std::string to_string(CameraModel model) {
@@ -175,9 +184,9 @@ Eigen::Vector2d Camera::project_distorted(const Eigen::Vector3d& x) const {
     case CameraModel::unified:
       return to_pixel(PlaneDistortion(distortion).distort(project_to_sphere(x, xi)));
     case CameraModel::equirectangular:
-      return to_pixel({std::atan2(x.x(), x.z()), std::atan2(x.y(), std::hypot(x.x(), x.z()))});
+      return close_seam(*this, to_pixel({std::atan2(x.x(), x.z()), std::atan2(x.y(), std::hypot(x.x(), x.z()))}));
     case CameraModel::cylindrical:
-      return to_pixel({std::atan2(x.x(), x.z()), x.y() / std::hypot(x.x(), x.z())});
+      return close_seam(*this, to_pixel({std::atan2(x.x(), x.z()), x.y() / std::hypot(x.x(), x.z())}));
   }
   return {};
 }

@@ -110,6 +110,16 @@ TEST(Camera, ProjectsTheRayOfEachPixelBackToThePixel) {
   }
 }
 
+TEST(Camera, HasNoGapAtTheSeamOfAPanorama) {
+  for (const double left : {-0.001, 0.0, 0.001}) {
+    const Eigen::Vector2d pixel = kPanorama.project({left, 0, -5});
+    EXPECT_TRUE(kPanorama.contains(pixel)) << pixel.transpose();
+    EXPECT_TRUE(pixel.x() == 0 || pixel.x() == 1023) << pixel.transpose();
+  }
+  EXPECT_LT((kPanorama.project(kPanorama.ray({1023, 100})) - Eigen::Vector2d(1023, 100)).norm(), 1e-9);
+  EXPECT_FALSE(kCylinder.contains(kCylinder.project({0, 0, -5}))) << "it shows less than the full turn";
+}
+
 TEST(Camera, ShowsNothingInTheCornersOfAFisheyeImage) {
   const Camera circle{1000, 1000, 300, 300, 499.5, 499.5, {}, CameraModel::fisheye};
   EXPECT_TRUE(circle.shows({499.5, 2}));
