@@ -25,7 +25,7 @@ class CMakeBuild(build_ext):
 
 setup(
     name="dvi",
-    version=re.search(r"VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text().split("project(")[1]).group(1),
+    version=re.search(r'"(.+)"', (ROOT / "src/dvi/core/version.h").read_text()).group(1),
     description="Removes traffic from recorded drives and fills the holes with pixels of other frames",
     license="Apache-2.0",
     packages=["dvi"],
