@@ -198,7 +198,9 @@ TEST_F(Cameras, TakeTheFillOfAnotherProgram) {
   ASSERT_EQ(dvi("import-fill out --undo --quiet").code, 0);
   const auto after = contents(folder / "out");
   for (const auto& [file, bytes] : before)
-    if (file.ends_with(".png") || file.starts_with("map/")) EXPECT_EQ(after.at(file), bytes) << file;
+    if (file.ends_with(".png") || file.starts_with("map/")) {
+      EXPECT_EQ(after.at(file), bytes) << file;
+    }
   EXPECT_EQ(after.size(), before.size());
 }
 
