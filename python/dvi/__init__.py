@@ -147,7 +147,7 @@ def run(dataset: Source, *sources: Source, out: "str | os.PathLike | None" = Non
     kind          uint8: 0 original, 1 copied, 2 copied from another drive or camera, 3 interpolated, 4 synthesized, 5 empty
     provenance    x 3, uint16: number of the source + 1 (0: none), 16 x and 16 y of the position copied from
     confidence    uint8: 255 times the probability of being within 10 gray levels of the truth
-    depth         float32: meters along the optical axis; 0 unknown or sky
+    depth         float32: meters along the optical axis, or from a camera that is not a pinhole camera; 0 unknown or sky
 
     With several cameras (camera="front,left" or "all"), pairs of a camera's name and a frame are returned.
     """

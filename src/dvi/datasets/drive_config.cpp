@@ -9,6 +9,7 @@
 #include <toml++/toml.h>
 
 #include "dvi/core/error.h"
+#include "dvi/core/text.h"
 #include "dvi/core/toml_file.h"
 #include "dvi/geometry/angles.h"
 #include "dvi/geometry/plausible.h"

@@ -16,6 +16,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/datasets/gps.h"
 #include "dvi/datasets/scan_time.h"
+#include "dvi/geometry/camera_toml.h"
 #include "dvi/geometry/rigid.h"
 #include "dvi/media/point_cloud.h"
 #include "dvi/media/write_image.h"
@@ -23,16 +24,6 @@
 
 namespace dvi::datasets {
 namespace {
-
-// Numbers are written with all digits that are needed to read them back exactly.
-std::string format_intrinsics(const Camera& c) {
-  std::string text = fmt::format("K = [{}, 0, {}, 0, {}, {}, 0, 0, 1]\n", c.fx, c.cx, c.fy, c.cy);
-  if (c.model != CameraModel::pinhole) text += fmt::format("model = \"{}\"\n", to_string(c.model));
-  if (c.model == CameraModel::unified) text += fmt::format("xi = {}\n", c.xi);
-  if (c.is_distorted() && !c.coefficients().empty())
-    text += fmt::format("distortion = [{}]\n", fmt::join(c.coefficients(), ", "));
-  return text;
-}
 
 std::string format_camera(const Drive& drive) {
   return fmt::format("[camera.\"{}\"]\nsize = [{}, {}]\n{}camera_from_lidar = [{}]\n\n", drive.camera_name, drive.camera.width,

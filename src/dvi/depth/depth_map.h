@@ -16,7 +16,7 @@ struct DepthMap {
   /// The depth, in meters, of pixels for which several views show no parallax: the sky, or a surface as distant.
   static constexpr float kInfinity = 1e7F;
 
-  cv::Mat1f z;      ///< Meters along the optical axis, or kUnknown, or kSky.
+  cv::Mat1f z;      ///< Camera::depth() in meters, or kUnknown, or kSky.
   cv::Mat1f sigma;  ///< The standard deviation of `z` in meters; 0 where `z` is unknown or sky.
 
   std::size_t bytes() const { return bytes_of(z) + bytes_of(sigma); }

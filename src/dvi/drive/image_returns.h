@@ -9,7 +9,7 @@
 
 namespace dvi {
 
-/// A return in an image: its image coordinates u and v, and its depth in meters along the optical axis.
+/// A return in an image: its image coordinates u and v, and its depth in meters (Camera::depth()).
 using ImageReturn = cv::Vec3f;
 
 /// Projects the returns of the scan nearest in time into a frame. Returns nothing if there is no scan within 100 ms, or no

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "dvi/drive/nearest_in_time.h"
 #include "dvi/geometry/angles.h"
 #include "dvi/geometry/rigid.h"
 
@@ -30,14 +31,6 @@ std::vector<std::size_t> list_images(const Result& result, std::size_t camera) {
   for (std::size_t i = 0; i < result.frames().size(); ++i)
     if (result.frames()[i].camera == camera) out.push_back(i);
   return out;
-}
-
-/// Returns the frame nearest in time; nothing beyond kSameTimeNs.
-RigFrame* find_frame(std::vector<RigFrame>& frames, std::int64_t time_ns) {
-  const auto distance = [&](const RigFrame& frame) { return std::abs(frame.time_ns - time_ns); };
-  const auto nearest = std::min_element(frames.begin(), frames.end(),
-                                        [&](const RigFrame& a, const RigFrame& b) { return distance(a) < distance(b); });
-  return nearest == frames.end() || distance(*nearest) > kSameTimeNs ? nullptr : &*nearest;
 }
 
 /// Returns the mean of poses; nothing if one of them differs from it, or there are none.
@@ -72,7 +65,7 @@ class FirstRig {
     std::vector<SE3> poses;
     const std::vector<std::size_t> images = list_images(result_, camera);
     for (const std::size_t image : images) {
-      const RigFrame* const frame = find_frame(frames_, result_.frames()[image].time_ns);
+      const RigFrame* const frame = find_frame(result_.frames()[image].time_ns);
       if (frame != nullptr && result_.frames()[frame->images.front()].camera == 0)
         poses.push_back(camera_from_world(image) * camera_from_world(frame->images.front()).inverse());
     }
@@ -82,18 +75,16 @@ class FirstRig {
     ++cameras_;
     for (const std::size_t image : images) {
       const std::int64_t time_ns = result_.frames()[image].time_ns;
-      RigFrame* const frame = find_frame(frames_, time_ns);
-      if (frame != nullptr)
+      if (RigFrame* const frame = find_frame(time_ns))
         frame->images.push_back(image);
       else
-        frames_.push_back({time_ns, {image}});
+        frames_.insert(std::ranges::upper_bound(frames_, time_ns, {}, &RigFrame::time_ns), {time_ns, {image}});
     }
     mounts_.resize(camera + 1);
     mounts_[camera] = *mount;
     return true;
   }
 
-  std::size_t cameras() const { return cameras_; }
   std::string format_rig() const { return fmt::format("1 {} CAMERA 1{}\n", cameras_, sensors_); }
   const std::vector<RigFrame>& frames() const { return frames_; }
   /// Returns rig_from_world, where the axes of the rig are those of its first camera.
@@ -103,11 +94,16 @@ class FirstRig {
   }
 
  private:
+  /// Returns the frame nearest in time; nothing beyond kSameTimeNs.
+  RigFrame* find_frame(std::int64_t time_ns) {
+    const auto nearest = nearest_in_time(frames_.begin(), frames_.end(), time_ns);
+    return nearest == frames_.end() || std::abs(nearest->time_ns - time_ns) > kSameTimeNs ? nullptr : &*nearest;
+  }
   SE3 camera_from_world(std::size_t image) const { return result_.frames()[image].world_from_camera.inverse(); }
 
   const Result& result_;
-  std::vector<RigFrame> frames_;
-  std::vector<SE3> mounts_;  ///< by camera: its pose in the rig
+  std::vector<RigFrame> frames_;  ///< in order of time
+  std::vector<SE3> mounts_;       ///< by camera: its pose in the rig
   std::string sensors_;
   std::size_t cameras_ = 1;
 };
@@ -126,16 +122,14 @@ ColmapRigs describe_rigs(const Result& result) {
   };
   ColmapRigs out;
   out.rigs =
-      "# RIG_ID, NUM_SENSORS, REF_SENSOR_TYPE, REF_SENSOR_ID, SENSORS[] as (SENSOR_TYPE, SENSOR_ID, HAS_POSE, QW, QX, QY, QZ, "
-      "TX, "
-      "TY, TZ)\n";
+      "# RIG_ID, NUM_SENSORS, REF_SENSOR_TYPE, REF_SENSOR_ID, SENSORS[] as (SENSOR_TYPE, SENSOR_ID, HAS_POSE, "
+      "QW, QX, QY, QZ, TX, TY, TZ)\n";
   out.frames =
       "# FRAME_ID, RIG_ID, QW, QX, QY, QZ, TX, TY, TZ, NUM_DATA_IDS, DATA_IDS[] as (SENSOR_TYPE, SENSOR_ID, DATA_ID)\n";
   FirstRig first(result);
   std::vector<std::size_t> others;
   for (std::size_t camera = 1; camera < result.cameras().size(); ++camera)
     if (!first.add(camera)) others.push_back(camera);
-  out.rigid_cameras = first.cameras();
   out.rigs += first.format_rig();
   std::size_t number = 0, rig = 1;
   for (const RigFrame& frame : first.frames()) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <string>
 
 #include "dvi/exports/result.h"
@@ -10,7 +9,6 @@ namespace dvi::exports {
 /// The files rigs.txt and frames.txt of a COLMAP model, which versions from 3.12 on read.
 struct ColmapRigs {
   std::string rigs, frames;
-  std::size_t rigid_cameras = 0;  ///< cameras that belong to the rig of the first camera
 };
 
 /// Describes the cameras of a result as rigs. Cameras whose pose relative to the first camera is the same at all times (within

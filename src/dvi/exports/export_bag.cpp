@@ -114,11 +114,6 @@ class CleanMessages {
   }
 
   std::size_t size() const { return recorded_.size(); }
-  // Returns the number of frames whose images are of a topic.
-  std::size_t count(const bags::BagTopic& topic) const {
-    return static_cast<std::size_t>(
-        std::count_if(recorded_.begin(), recorded_.end(), [&](const RecordedImage& image) { return image.topic == &topic; }));
-  }
   std::size_t changed() const { return changed_; }
   // Throws InputError if a message was not found while the files were copied.
   void require_all_copied() const {
@@ -154,21 +149,6 @@ class CleanMessages {
   std::size_t copied_ = 0, changed_ = 0;
 };
 
-// Returns the number of images of a topic that are not frames of the result.
-std::size_t count_others(const bags::BagTopic& topic, const CleanMessages& clean) {
-  return topic.messages.size() - clean.count(topic);
-}
-
-void warn_of_traffic(const BagImages& images, const CleanMessages& clean, Progress& progress) {
-  for (const bags::BagTopic* topic : images.topics())
-    if (const std::size_t others = count_others(*topic, clean); others > 0)
-      progress.warn(
-          fmt::format("{} of {} images of {} are not frames of the result: they are unchanged, with the traffic that they show",
-                      others, topic->messages.size(), topic->name));
-  if (const std::vector<std::string> others = images.list_other_images(); !others.empty())
-    progress.warn(fmt::format("the images of {} are unchanged, with the traffic that they show", fmt::join(others, ", ")));
-}
-
 RecordedInput find_bag(const Result& result, const ExportOptions& options) {
   RecordedInput input = find_input(result, options);
   if (!fs::exists(input.path)) throw InputError(input.path, "does not exist", kSameRecording);
@@ -192,9 +172,10 @@ ExportReport write_bag(const Result& result, const fs::path& place, const Export
   if (is_folder)
     for (const char* name : {"metadata.yaml", "dvi.toml"})
       if (fs::exists(input.path / name)) write_file(place / name, read_file(input.path / name));
-  warn_of_traffic(images, clean, progress);
-  std::size_t others = 0;
-  for (const bags::BagTopic* topic : images.topics()) others += count_others(*topic, clean);
+  std::vector<CameraImages> recorded;
+  for (std::size_t k = 0; k < images.topics().size(); ++k)
+    recorded.push_back({images.topics()[k]->name, images.topics()[k]->messages.size(), result.count_frames(k)});
+  const std::size_t others = warn_of_traffic(recorded, images.list_other_images(), progress);
   report.counts = {{"cleaned images", static_cast<double>(clean.size())},
                    {"of them changed", static_cast<double>(clean.changed())},
                    {"other images of the topics", static_cast<double>(others)}};

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "dvi/core/error.h"
 #include "dvi/core/threads.h"
 #include "dvi/exports/colmap_rigs.h"
 #include "dvi/exports/exporter.h"

@@ -151,27 +151,6 @@ bool write_frame(const media::ImageEdit& edit, const fs::path& from, const fs::p
   return *clean != recorded;
 }
 
-// Returns the number of images of a camera that are not frames of the result.
-std::size_t count_others(const Result& result, std::size_t camera, const Drive& drive) {
-  const auto cleaned = std::count_if(result.frames().begin(), result.frames().end(),
-                                     [&](const ResultFrame& frame) { return frame.camera == camera; });
-  return drive.frames.size() - static_cast<std::size_t>(cleaned);
-}
-
-void warn_of_traffic(const Result& result, const std::vector<Drive>& drives, Progress& progress) {
-  std::vector<std::string> others = drives.front().camera_names;
-  for (std::size_t k = 0; k < drives.size(); ++k) {
-    const Drive& drive = drives[k];
-    std::erase(others, drive.camera_name);
-    if (const std::size_t unchanged = count_others(result, k, drive); unchanged > 0)
-      progress.warn(
-          fmt::format("{} of {} images of {} are not frames of the result: they are unchanged, with the traffic that they show",
-                      unchanged, drive.frames.size(), drive.camera_name));
-  }
-  if (!others.empty())
-    progress.warn(fmt::format("the images of {} are unchanged, with the traffic that they show", fmt::join(others, ", ")));
-}
-
 ExportReport write_folder(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
   const RecordedInput input = find_input(result, options);
   const std::vector<Drive> drives = open_recording(result, input);
@@ -194,9 +173,13 @@ ExportReport write_folder(const Result& result, const fs::path& folder, const Ex
     copy_plain(root / file, folder / file);
     progress.advance();
   }
-  warn_of_traffic(result, drives, progress);
-  std::size_t unchanged = 0;
-  for (std::size_t k = 0; k < drives.size(); ++k) unchanged += count_others(result, k, drives[k]);
+  std::vector<CameraImages> recorded;
+  std::vector<std::string> other_cameras = drive.camera_names;
+  for (std::size_t k = 0; k < drives.size(); ++k) {
+    recorded.push_back({drives[k].camera_name, drives[k].frames.size(), result.count_frames(k)});
+    std::erase(other_cameras, drives[k].camera_name);
+  }
+  const std::size_t unchanged = warn_of_traffic(recorded, other_cameras, progress);
   if (const std::size_t left_out = files.count_left_out(); left_out > 0)
     progress.warn(fmt::format("{} links and files outside of {} are not copied", left_out, root.string()));
   const fs::path relative = drive.path.lexically_relative(root);

@@ -32,15 +32,16 @@ nlohmann::json make_camera(const Result& result, const ResultFrame& frame) {
 }
 
 ExportReport write_holes(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
-  const bool in_pairs = options.layout == HoleLayout::pairs;
+  const bool has_one = result.cameras().size() == 1, in_pairs = options.layout == HoleLayout::pairs;
   const char* const frames_folder = in_pairs ? "pairs" : "frames";
   const char* const masks_folder = in_pairs ? "pairs" : "masks";
   const char* const mask_ending = in_pairs ? "_mask.png" : ".png";
   const auto find_file = [&](const ResultFrame& frame, const std::string& kind, const std::string& ending) {
     return (folder / picture_file(kind, frame.name)).replace_extension().concat(ending);  // kind/NAME, or CAMERA/kind/NAME
   };
-  for (const char* name : {frames_folder, masks_folder, "depth", "cameras"})
-    for (const ResultFrame& frame : result.frames()) make_folder(find_file(frame, name, "").parent_path());
+  for (const ResultCamera& camera : result.cameras())
+    for (const char* name : {frames_folder, masks_folder, "depth", "cameras"})
+      make_folder(folder / join_frame_name(has_one ? "" : camera.name, name));
   std::atomic<std::size_t> frames = 0, pixels = 0;
   parallel_for(result.frames().size(), [&](std::size_t i) {
     const ResultFrame& frame = result.frames()[i];
@@ -63,7 +64,7 @@ ExportReport write_holes(const Result& result, const fs::path& folder, const Exp
   const auto all = static_cast<double>(result.frames().size());
   std::vector<std::string> files{"frames", "masks"};
   if (in_pairs) files = {"pairs"};
-  if (result.cameras().size() > 1)
+  if (!has_one)
     for (std::string& file : files) file = "CAMERA/" + file;
   return {files,
           {{"frames", all}, {"frames with holes", static_cast<double>(frames)}, {"pixels", static_cast<double>(pixels)}}};

@@ -1,8 +1,11 @@
 #include <array>
+#include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "dvi/core/error.h"
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/exports/exporter.h"
@@ -71,7 +74,7 @@ std::string find_model(const Result& result) {
 }
 
 // The intrinsics of several cameras are those of each frame.
-nlohmann::json make_transforms(const Result& result) {
+nlohmann::json make_transforms(const Result& result, const std::string& model) {
   const bool has_one = result.cameras().size() == 1;
   nlohmann::json frames = nlohmann::json::array();
   for (const ResultFrame& frame : result.frames()) {
@@ -81,13 +84,13 @@ nlohmann::json make_transforms(const Result& result) {
                       {"transform_matrix", to_opengl_pose(frame.world_from_camera)}});
     if (!has_one) frames.back().update(make_intrinsics(result.cameras()[frame.camera].camera));
   }
-  nlohmann::json out{{"camera_model", find_model(result)}, {"frames", frames}, {"ply_file_path", "map.ply"}};
+  nlohmann::json out{{"camera_model", model}, {"frames", frames}, {"ply_file_path", "map.ply"}};
   if (has_one) out.update(make_intrinsics(result.cameras().front().camera));
   return out;
 }
 
 ExportReport write_nerfstudio(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
-  find_model(result);
+  const std::string model = find_model(result);  // before anything is written
   write_images_and_masks(result, folder, ".png", progress);
   make_folders_of_cameras(result, folder / "depth");
   parallel_for(result.frames().size(), [&](std::size_t i) {
@@ -97,7 +100,7 @@ ExportReport write_nerfstudio(const Result& result, const fs::path& folder, cons
   std::erase_if(cloud, [](const CloudPoint& p) { return !p.colored(); });
   cloud = thin_cloud(cloud, static_cast<std::size_t>(options.max_points));
   write_cloud(folder / "map.ply", cloud);
-  write_file(folder / "transforms.json", json_text(make_transforms(result)) + "\n");
+  write_file(folder / "transforms.json", json_text(make_transforms(result, model)) + "\n");
   return {{"transforms.json"},
           {{"images", static_cast<double>(result.frames().size())}, {"points", static_cast<double>(cloud.size())}}};
 }

@@ -1,5 +1,8 @@
 #include "dvi/exports/input_place.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "dvi/core/error.h"
 #include "dvi/core/path_inside.h"
 
@@ -15,6 +18,21 @@ RecordedInput find_input(const Result& result, const ExportOptions& options) {
 void require_outside(const fs::path& place, const fs::path& recording) {
   if (fs::is_directory(recording) && is_inside(place, recording))
     throw InputError(place, "is in the folder of the recording", "choose a folder outside of it");
+}
+
+std::size_t warn_of_traffic(const std::vector<CameraImages>& images, const std::vector<std::string>& others,
+                            Progress& progress) {
+  std::size_t unchanged = 0;
+  for (const auto& [name, all, cleaned] : images) {
+    unchanged += all - cleaned;
+    if (cleaned < all)
+      progress.warn(
+          fmt::format("{} of {} images of {} are not frames of the result: they are unchanged, with the traffic that they show",
+                      all - cleaned, all, name));
+  }
+  if (!others.empty())
+    progress.warn(fmt::format("the images of {} are unchanged, with the traffic that they show", fmt::join(others, ", ")));
+  return unchanged;
 }
 
 }  // namespace dvi::exports

@@ -74,6 +74,11 @@ const ResultCamera& Result::only_camera() const {
                    "export a result of one camera (dvi run --camera NAME)");
 }
 
+std::size_t Result::count_frames(std::size_t camera) const {
+  return static_cast<std::size_t>(
+      std::count_if(frames_.begin(), frames_.end(), [&](const ResultFrame& frame) { return frame.camera == camera; }));
+}
+
 void Result::read_poses(const fs::path& folder, std::size_t camera) {
   const std::vector<TextLine> poses = read_text_lines(folder_ / folder / "poses.txt");
   const std::vector<TextLine> times = read_text_lines(folder_ / folder / "times.txt");

@@ -55,6 +55,8 @@ class Result {
   cv::Size size(std::size_t frame) const { return {camera(frame).width, camera(frame).height}; }
   /// Returns the frames of each camera in order of time, one camera after the other.
   const std::vector<ResultFrame>& frames() const { return frames_; }
+  /// Returns the number of frames of a camera.
+  std::size_t count_frames(std::size_t camera) const;
   const std::optional<EarthPlace>& place() const { return place_; }  ///< of the world by GPS; none if unknown
 
   fs::path picture(const std::string& kind, std::size_t frame) const {
@@ -63,7 +65,7 @@ class Result {
   cv::Mat3b image(std::size_t frame) const;
   cv::Mat1b kind(std::size_t frame) const;        ///< harmonize::Kind
   cv::Mat1b confidence(std::size_t frame) const;  ///< 255 = 1, for filled pixels
-  cv::Mat1f depth(std::size_t frame) const;       ///< depth z in meters; 0: unknown or sky
+  cv::Mat1f depth(std::size_t frame) const;       ///< Camera::depth() in meters; 0: unknown or sky
   /// Returns a mask: 255 for original and copied pixels, 0 for pixels without observation.
   cv::Mat1b evidence(std::size_t frame) const;
   /// Returns the pixels that the run filled, to be written into the recorded image.

@@ -123,15 +123,24 @@ void share_boxes(const Drive& from, Drive& to) {
   to.labeled_around = from.labeled_around;
 }
 
-/// Names the images of a cleaned camera that no images of the drive's own camera accompany: they are not cleaned, because the
-/// objects at their times are not known.
-void warn_of_other_times(const Drive& own, Drive& cleaned, datasets::ReadOptions read) {
-  read.span = std::nullopt;
-  const std::size_t all = datasets::read_drive(own.path, read).frames.size();
-  if (all > cleaned.frames.size())
-    cleaned.warnings.push_back(
-        fmt::format("{} of {} images of {} are not cleaned, because they are before the first or after the last image of {}",
-                    all - cleaned.frames.size(), all, cleaned.camera_name, own.camera_name));
+/// Reads a camera that is cleaned in all frames of the drive. Its images before the first or after the last one of the drive's
+/// own camera are left out and named, because the objects at their times are not known.
+Drive read_cleaned(const Drive& own, datasets::ReadOptions read) {
+  Drive whole = datasets::read_drive(own.path, read);
+  const TimeSpan span = span_of(own);
+  if (whole.frames.front().time_ns >= span.first && whole.frames.back().time_ns <= span.last) return whole;
+  read.span = span;
+  Drive out = datasets::read_drive(own.path, read);
+  out.warnings.push_back(
+      fmt::format("{} of {} images of {} are not cleaned, because they are before the first or after the last image of {}",
+                  whole.frames.size() - out.frames.size(), whole.frames.size(), out.camera_name, own.camera_name));
+  return out;
+}
+
+/// Reads the images of a camera that were taken at the times of those of the drive's own camera.
+Drive read_at_times(const Drive& own, datasets::ReadOptions read) {
+  read.span = span_of(own);
+  return datasets::read_drive(own.path, read);
 }
 
 /// A camera of a recording.
@@ -146,11 +155,9 @@ Recording open_camera(const Recordings& drives, const CameraToOpen& asked, const
   const Recording& own = drives[number];
   datasets::ReadOptions read;
   read.camera = camera;
-  read.span = span_of(own.drive);
   read.topics = choice.topics;
-  Recording open{datasets::read_drive(own.drive.path, read)};
+  Recording open{is_cleaned && choice.frames.empty() ? read_cleaned(own.drive, read) : read_at_times(own.drive, read)};
   Drive& drive = open.drive;
-  if (is_cleaned && choice.frames.empty()) warn_of_other_times(own.drive, drive, read);
   drive.scan_headers = own.drive.scan_headers;
   drive.scans = own.drive.scans;
   drive.map = own.drive.map;

@@ -10,7 +10,7 @@ namespace dvi::map {
 /// A map point in a view.
 struct VisiblePoint {
   float u = 0, v = 0;                               ///< image coordinates with sub-pixel precision
-  float z = 0;                                      ///< meters along the optical axis
+  float z = 0;                                      ///< Camera::depth() in meters
   Eigen::Vector3f world = Eigen::Vector3f::Zero();  ///< meters
   std::size_t index = 0;                            ///< in StaticMap::points
 };

@@ -17,7 +17,7 @@ namespace dvi::synth {
 struct SynthFrame {
   cv::Mat3b image;    ///< with traffic
   cv::Mat3b clean;    ///< without traffic
-  cv::Mat1f depth;    ///< depth z in meters at the pixel's center, without traffic; 0: sky
+  cv::Mat1f depth;    ///< Camera::depth() in meters at the pixel's center, without traffic; 0: sky
   cv::Mat1f seen;     ///< the same with traffic, as measured by a depth camera
   cv::Mat1b dynamic;  ///< 255 where image differs from clean: traffic and its shadow
 };

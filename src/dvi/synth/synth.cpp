@@ -9,6 +9,7 @@
 #include "dvi/core/files.h"
 #include "dvi/core/text.h"
 #include "dvi/core/threads.h"
+#include "dvi/geometry/camera_toml.h"
 #include "dvi/geometry/rigid.h"
 #include "dvi/media/point_cloud.h"
 #include "dvi/media/write_image.h"
@@ -21,22 +22,13 @@ std::string format_numbers(const SE3& pose, const char* between) {
   return fmt::format("{:.12g}", fmt::join(to_row_major(pose), between));
 }
 
-std::string format_lens(const Camera& camera) {
-  if (camera.model == CameraModel::pinhole) return {};
-  std::string text = fmt::format("model = \"{}\"\n", to_string(camera.model));
-  if (camera.model == CameraModel::unified) text += fmt::format("xi = {}\n", camera.xi);
-  if (!camera.coefficients().empty()) text += fmt::format("distortion = [{}]\n", fmt::join(camera.coefficients(), ", "));
-  return text;
-}
-
 std::string format_settings(const Scene& scene) {
   const Camera& camera = scene.camera();
   const SynthOptions& options = scene.options();
   std::string text = "[drive]\nversion = 1\n\n";
   for (const SceneCamera& one : scene.cameras())
-    text += fmt::format("[camera.{}]\nsize = [{}, {}]\nK = [{}, 0, {}, 0, {}, {}, 0, 0, 1]\n{}camera_from_lidar = [{}]\n\n",
-                        one.name, camera.width, camera.height, camera.fx, camera.cx, camera.fy, camera.cy, format_lens(camera),
-                        format_numbers(one.camera_from_lidar, ", "));
+    text += fmt::format("[camera.{}]\nsize = [{}, {}]\n{}camera_from_lidar = [{}]\n\n", one.name, camera.width, camera.height,
+                        format_intrinsics(camera), format_numbers(one.camera_from_lidar, ", "));
   if (options.room) return text + fmt::format("[lidar]\nsensor = \"depth_camera\"\nrate = {:.12g}\n", options.rate_hz);
   return text + fmt::format(
                     "[lidar]\nrate = {:.12g}\nbeams = {}\nstamp = \"middle\"\nrotation = \"clockwise\"\n"
