@@ -262,6 +262,9 @@ TEST_F(Cameras, GrayOnesAreCleanedInARunOfTheirOwn) {
   EXPECT_EQ(all.code, 0);
   EXPECT_THAT(all.err, HasSubstr("camera right is not cleaned, because it has no colors"));
   EXPECT_TRUE(fs::exists(folder / "out/frames")) << "one camera remains";
+  ASSERT_EQ(dvi("mask drive --camera all -o masks --quiet").code, 0);
+  EXPECT_TRUE(fs::exists(folder / "masks/masks/front"));
+  EXPECT_FALSE(fs::exists(folder / "masks/masks/right")) << "its masks are not those of a run";
 }
 
 TEST_F(Cameras, AreRefusedWhereOneIsTaken) {

@@ -101,7 +101,9 @@ inputs::Recordings open_cameras(const job::Job& job, Progress& progress) {
   drives.front().is_cleaned = true;
   job::Job without_sources = job;
   without_sources.read.source_cameras = "none";
-  return inputs::add_other_cameras(std::move(drives), without_sources, progress);
+  drives = inputs::add_other_cameras(std::move(drives), without_sources, progress);
+  std::erase_if(drives, [](const inputs::Recording& open) { return !open.is_cleaned; });  // named by a warning
+  return drives;
 }
 
 // The masks of a camera, and how they were found.
