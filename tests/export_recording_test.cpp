@@ -234,6 +234,61 @@ TEST_F(ExportRecording, WritesTheLayoutOfTheRecording) {
   EXPECT_FALSE(fs::exists(folder / "again"));
 }
 
+TEST_F(ExportRecording, RemovesPointsFromTheScansOfABag) {
+  constexpr std::size_t kPoints = 161;  // points of each scan; the last one is not a return
+  std::vector<std::uint32_t> labels(kPoints, 0);
+  std::fill(labels.begin() + 10, labels.begin() + 30, 252);
+  make_folder(folder / "points");
+  for (const char* scan : {"000000", "000001", "000002"})
+    write_file(folder / "points" / (std::string(scan) + ".label"),
+               {reinterpret_cast<const char*>(labels.data()), labels.size() * sizeof(std::uint32_t)});
+  clean_bag("lz4.bag", "--masks points");
+  const Result result = dvi("export bag out --points -o clean.bag --quiet --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("\"cleaned scans\": 3"), HasSubstr("\"removed points\": 60"),
+                                HasSubstr("\"cleaned images\": 3")));
+  const Drive before = datasets::read_drive(folder / "lz4.bag"), after = datasets::read_drive(folder / "clean.bag");
+  for (std::size_t i = 0; i < 3; ++i) {
+    auto expected = before.scans[i]->points;
+    expected.erase(expected.begin() + 10, expected.begin() + 30);
+    EXPECT_EQ(after.scans[i]->points, expected);
+    EXPECT_EQ(cv::norm(*after.images[i], frame(i), cv::NORM_INF), 0);
+  }
+}
+
+TEST_F(ExportRecording, RemovesPointsFromScansAndTheirLabels) {
+  const fs::path drive = small_drive();
+  ASSERT_EQ(dvi("run drive -o out --poses given --masks found --quiet").code, 0);
+  ASSERT_EQ(dvi("export labels out -o labels --quiet").code, 0);
+  const Result result = dvi("export folder out --points -o clean --quiet --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  std::size_t removed = 0, cleaned = 0;
+  for (const char* kind : {"lidar", "truth_points"})
+    for (const auto& [file, bytes] : ::dvi::contents(drive / kind)) {
+      const fs::path labels = folder / "labels" / (fs::path(file).stem().string() + ".label");
+      std::string expected = bytes;
+      if (fs::exists(labels)) {
+        const std::string values = read_file(labels);
+        const std::size_t points = values.size() / sizeof(std::uint32_t), step = bytes.size() / points;
+        expected.clear();
+        for (std::size_t i = 0; i < points; ++i)
+          if (values.substr(4 * i, 4) == std::string(4, '\0')) expected += bytes.substr(i * step, step);
+        if (fs::path(file).extension() == ".bin") ++cleaned, removed += (bytes.size() - expected.size()) / step;
+      }
+      EXPECT_TRUE(read_file(folder / "clean" / kind / file) == expected) << kind << file;
+    }
+  EXPECT_GT(removed, 0U);
+  EXPECT_THAT(result.out, AllOf(HasSubstr("\"removed points\": " + std::to_string(removed)),
+                                HasSubstr("\"cleaned scans\": " + std::to_string(cleaned))));
+}
+
+TEST_F(ExportRecording, RemovesNoPointsFromDepthImages) {
+  fs::copy(kBags / "rgbd.bag", folder / "rgbd.bag");
+  ASSERT_EQ(dvi("run rgbd.bag -o out --quiet").code, 0);
+  expect_refused("bag out --points -o clean.bag", "has depth images instead of scans, from which no points can be removed");
+  EXPECT_FALSE(fs::exists(folder / "clean.bag"));
+}
+
 class ExportLayout : public ExportRecording, public testing::WithParamInterface<std::pair<const char*, const char*>> {};
 
 TEST_P(ExportLayout, IsReadLikeTheRecording) {

@@ -26,8 +26,6 @@ bool is_poses(const BagTopic& topic) {
   return std::find(std::begin(kPoseTypes), std::end(kPoseTypes), topic.type) != std::end(kPoseTypes);
 }
 
-bool is_scans(const BagTopic& topic) { return topic.type == kCloudType || is_livox(topic); }
-
 // Types of messages with images or scans that are not supported.
 struct UnreadType {
   const char* type;
@@ -267,6 +265,8 @@ class TopicChooser {
 };
 
 }  // namespace
+
+bool is_scans(const BagTopic& topic) { return topic.type == kCloudType || is_livox(topic); }
 
 bool is_livox(const BagTopic& topic) {
   return std::find(std::begin(kLivoxTypes), std::end(kLivoxTypes), topic.type) != std::end(kLivoxTypes);

@@ -28,6 +28,7 @@ struct BagChoice {
 
 /// Return whether a topic has a supported type.
 bool is_livox(const BagTopic& topic);
+bool is_scans(const BagTopic& topic);  ///< also those of Livox
 bool is_images(const BagTopic& topic);
 bool is_compressed(const BagTopic& topic);
 bool is_tf(const BagTopic& topic);

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "dvi/bags/bag_bytes.h"
 #include "dvi/bags/ros_image.h"
 #include "dvi/core/error.h"
 
@@ -29,13 +28,6 @@ const WritableEncoding& find_writable(const std::string& encoding) {
     throw std::invalid_argument(fmt::format(
         "clean pixels cannot be written back in its encoding '{}'; they can in bgr8, rgb8, bgra8, rgba8, and mono8", encoding));
   return *found;
-}
-
-// Returns the length of an array as in CDR or ROS 1.
-std::string make_length(std::size_t size, bool is_big_endian) {
-  std::string out = to_bytes(static_cast<std::uint32_t>(size));
-  if (is_big_endian) std::reverse(out.begin(), out.end());
-  return out;
 }
 
 }  // namespace
@@ -68,8 +60,8 @@ std::optional<std::string> edit_compressed_image(std::string_view message, BagEn
   fields.text();
   const std::string_view data = fields.bytes();
   const auto begin = static_cast<std::size_t>(data.data() - message.data()), end = begin + data.size();
-  return std::string(message.substr(0, begin - sizeof(std::uint32_t))) + make_length(file->size(), fields.is_big_endian()) +
-         *file + std::string(message.substr(end));
+  return std::string(message.substr(0, begin - sizeof(std::uint32_t))) +
+         to_field(static_cast<std::uint32_t>(file->size()), fields.is_big_endian()) + *file + std::string(message.substr(end));
 }
 
 }  // namespace dvi::bags

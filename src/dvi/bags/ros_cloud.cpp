@@ -14,12 +14,6 @@
 namespace dvi::bags {
 namespace {
 
-// sensor_msgs/PointField: name, position and type of a number of a point.
-struct RosPointField {
-  std::uint32_t offset = 0;
-  std::uint8_t type = 0;
-};
-
 std::size_t count_bytes(std::uint8_t type) {
   constexpr std::size_t kBytes[] = {0, 1, 1, 2, 2, 4, 4, 4, 8};
   return type < std::size(kBytes) ? kBytes[type] : 0;
@@ -57,8 +51,6 @@ double load_field(const RosPointField& field, const char* point, bool swap) {
   }
 }
 
-using RosPointFields = std::map<std::string, RosPointField>;
-
 std::optional<RosPointField> find_first(const RosPointFields& fields, std::initializer_list<const char*> names) {
   for (const char* name : names)
     if (const auto field = fields.find(name); field != fields.end()) return field->second;
@@ -67,33 +59,46 @@ std::optional<RosPointField> find_first(const RosPointFields& fields, std::initi
 
 }  // namespace
 
-RosCloud parse_cloud(std::string_view message, BagEncoding encoding) {
+RosCloudTable read_cloud_table(std::string_view message, BagEncoding encoding) {
   constexpr std::size_t kMinFieldBytes = 4 + 4 + 1 + 4;
   RosFields fields(message, encoding);
-  RosCloud cloud{.header = take_header(fields), .points = {}, .intensity = {}, .ring = {}, .times = {}, .time_field = {}};
-  const std::uint64_t height = fields.number<std::uint32_t>(), width = fields.number<std::uint32_t>();
-  RosPointFields columns;
+  RosCloudTable table{.header = take_header(fields)};
+  table.height = fields.number<std::uint32_t>();
+  table.width = fields.number<std::uint32_t>();
+  table.width_at = fields.position() - sizeof(std::uint32_t);
   for (std::uint32_t left = fields.length(kMinFieldBytes); left > 0; --left) {
     const std::string name = fields.text();
     RosPointField field;
     field.offset = fields.number<std::uint32_t>();
     field.type = fields.number<std::uint8_t>();
     fields.number<std::uint32_t>();  // count
-    columns[name] = field;
+    table.columns[name] = field;
   }
-  const bool swap = fields.number<std::uint8_t>() != 0;
-  const std::uint64_t step = fields.number<std::uint32_t>();
-  std::uint64_t row_step = fields.number<std::uint32_t>();
-  if (height == 1) row_step = width * step;  // some writers set it to 0
-  const std::string_view data = fields.bytes();
+  table.swap = fields.number<std::uint8_t>() != 0;
+  table.step = fields.number<std::uint32_t>();
+  table.row_step = fields.number<std::uint32_t>();
+  table.row_step_at = fields.position() - sizeof(std::uint32_t);
+  if (table.height == 1) table.row_step = table.width * table.step;  // some writers set it to 0
+  table.data = fields.bytes();
+  for (const char* axis : {"x", "y", "z"})
+    if (!table.columns.contains(axis)) throw std::invalid_argument("its points have no fields x, y and z");
+  for (const auto& [name, field] : table.columns)
+    if (const std::size_t bytes = count_bytes(field.type);
+        bytes == 0 || field.offset > table.step || bytes > table.step - field.offset)
+      throw std::invalid_argument(fmt::format("its field '{}' lies outside of a point of {} bytes", name, table.step));
+  const std::uint64_t row = table.width * table.step;
+  if (row > 0 && table.height > 0 && (table.row_step < row || table.data.size() < (table.height - 1) * table.row_step + row))
+    throw std::invalid_argument(fmt::format("{} bytes are not {} times {} points of {} bytes", table.data.size(), table.height,
+                                            table.width, table.step));
+  return table;
+}
+
+RosCloud parse_cloud(std::string_view message, BagEncoding encoding) {
+  const RosCloudTable table = read_cloud_table(message, encoding);
+  const RosPointFields& columns = table.columns;
+  const bool swap = table.swap;
+  RosCloud cloud{.header = table.header};
   const auto x = find_first(columns, {"x"}), y = find_first(columns, {"y"}), z = find_first(columns, {"z"});
-  if (!x || !y || !z) throw std::invalid_argument("its points have no fields x, y and z");
-  for (const auto& [name, field] : columns)
-    if (const std::size_t bytes = count_bytes(field.type); bytes == 0 || field.offset > step || bytes > step - field.offset)
-      throw std::invalid_argument(fmt::format("its field '{}' lies outside of a point of {} bytes", name, step));
-  if (width > 0 && height > 0 && (row_step < width * step || data.size() < (height - 1) * row_step + width * step))
-    throw std::invalid_argument(
-        fmt::format("{} bytes are not {} times {} points of {} bytes", data.size(), height, width, step));
   const auto intensity = find_first(columns, {"intensity", "i", "reflectivity", "signal"});
   const auto ring = find_first(columns, {"ring", "channel", "line", "laser_id"});
   std::vector<std::string> names;
@@ -101,15 +106,17 @@ RosCloud parse_cloud(std::string_view message, BagEncoding encoding) {
   const std::optional<std::size_t> time_field = media::find_time_field(names);
   std::optional<RosPointField> time;
   if (time_field) cloud.time_field = names[*time_field], time = columns.at(cloud.time_field);
-  for (std::uint64_t v = 0; v < height; ++v)
-    for (std::uint64_t u = 0; u < width; ++u) {
-      const char* point = data.data() + v * row_step + u * step;
+  for (std::uint64_t v = 0; v < table.height; ++v)
+    for (std::uint64_t u = 0; u < table.width; ++u) {
+      const char* point = table.data.data() + v * table.row_step + u * table.step;
+      const std::size_t number = cloud.message_points++;
       const Eigen::Vector3f p(static_cast<float>(load_field(*x, point, swap)), static_cast<float>(load_field(*y, point, swap)),
                               static_cast<float>(load_field(*z, point, swap)));
       if (!p.allFinite() || p.isZero()) continue;  // no return
       const double when = time ? load_field(*time, point, swap) : 0;
       if (!std::isfinite(when)) continue;
       cloud.points.push_back(p);
+      cloud.index.push_back(static_cast<std::uint32_t>(number));
       cloud.intensity.push_back(intensity ? static_cast<float>(load_field(*intensity, point, swap)) : 0.0F);
       if (ring) cloud.ring.push_back(static_cast<std::uint16_t>(std::clamp(load_field(*ring, point, swap), 0.0, 65535.0)));
       if (time) cloud.times.push_back(when);
@@ -118,22 +125,22 @@ RosCloud parse_cloud(std::string_view message, BagEncoding encoding) {
 }
 
 RosCloud parse_livox(std::string_view message, BagEncoding encoding) {
-  constexpr std::size_t kPointBytes = 4 + 3 * sizeof(float) + 3;
   RosFields fields(message, encoding);
-  RosCloud cloud{
-      .header = take_header(fields), .points = {}, .intensity = {}, .ring = {}, .times = {}, .time_field = "offset_time"};
+  RosCloud cloud{.header = take_header(fields), .time_field = "offset_time"};
   fields.number<std::uint64_t>();                                 // time base: the time of the header, by the sensor's clock
   fields.number<std::uint32_t>();                                 // number of points, which the list states as well
   for (int i = 0; i < 1 + 3; ++i) fields.number<std::uint8_t>();  // number of the sensor, reserved bytes
-  for (std::uint32_t left = fields.length(kPointBytes); left > 0; --left) {
+  for (std::uint32_t left = fields.length(kLivoxPointBytes); left > 0; --left) {
     const double offset_time = fields.number<std::uint32_t>();
     Eigen::Vector3f p;
     for (float& coordinate : p) coordinate = fields.number<float>();
     const auto reflectivity = fields.number<std::uint8_t>();
     fields.number<std::uint8_t>();  // tag: the number and confidence of the return
     const auto line = fields.number<std::uint8_t>();
+    const std::size_t number = cloud.message_points++;
     if (!p.allFinite() || p.isZero()) continue;  // no return
     cloud.points.push_back(p);
+    cloud.index.push_back(static_cast<std::uint32_t>(number));
     cloud.intensity.push_back(reflectivity);
     cloud.ring.push_back(line);
     cloud.times.push_back(offset_time);

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "dvi/bags/bag_bytes.h"
 #include "dvi/geometry/plausible.h"
 
 namespace dvi::bags {
@@ -30,7 +31,7 @@ SE3 take_motion(RosFields& fields) {
 
 }  // namespace
 
-RosFields::RosFields(std::string_view bytes, BagEncoding encoding) : all_(bytes), encoding_(encoding) {
+RosFields::RosFields(std::string_view bytes, BagEncoding encoding) : message_(bytes.data()), all_(bytes), encoding_(encoding) {
   if (encoding == BagEncoding::ros1) return;
   if (encoding != BagEncoding::cdr) throw std::invalid_argument("its encoding is neither CDR nor that of ROS 1");
   constexpr std::size_t kHeadBytes = 4;
@@ -69,6 +70,12 @@ std::uint32_t RosFields::length(std::size_t item_bytes) {
 std::vector<double> RosFields::list() {
   std::vector<double> out(length(sizeof(double)));
   for (double& value : out) value = number<double>();
+  return out;
+}
+
+std::string to_field(std::uint32_t value, bool is_big_endian) {
+  std::string out = to_bytes(value);
+  if (is_big_endian) std::reverse(out.begin(), out.end());
   return out;
 }
 

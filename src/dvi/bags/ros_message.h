@@ -38,17 +38,23 @@ class RosFields {
   std::vector<double> list();
   /// Reads the length of a list whose items have at least `item_bytes` bytes each.
   std::uint32_t length(std::size_t item_bytes);
+  /// Returns the number of bytes from the beginning of the message to the end of the last field that was read.
+  std::size_t position() const { return all_.data() - message_ + at_; }
   BagEncoding encoding() const { return encoding_; }
   bool is_big_endian() const { return swap_; }
 
  private:
   std::string_view take(std::size_t count, std::size_t alignment);
 
-  std::string_view all_;
+  const char* message_;
+  std::string_view all_;  // without the head of CDR
   std::size_t at_ = 0;
   BagEncoding encoding_;
   bool swap_ = false;
 };
+
+/// Returns the bytes of a number or of an array's length, in the byte order of a message.
+std::string to_field(std::uint32_t value, bool is_big_endian);
 
 /// std_msgs/Header. The frame is without a leading '/'.
 struct RosHeader {

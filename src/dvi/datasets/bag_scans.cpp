@@ -122,6 +122,10 @@ Scan BagScans::read(const ScanHeader& header) const {
   } else {
     scan.time = times_by_azimuth(cloud.points, header, rotation_);
   }
+  if (cloud.points.size() < cloud.message_points) {
+    scan.file_points = cloud.message_points;
+    scan.file_index = std::move(cloud.index);
+  }
   scan.points = std::move(cloud.points);
   scan.intensity = std::move(cloud.intensity);
   scan.ring = std::move(cloud.ring);

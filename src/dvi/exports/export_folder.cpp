@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/exports/exporter.h"
 #include "dvi/exports/input_place.h"
+#include "dvi/media/remove_points.h"
 
 namespace dvi::exports {
 namespace {
@@ -141,6 +143,55 @@ std::vector<fs::path> find_frame_files(const Result& result, const std::vector<D
   return out;
 }
 
+void require_scans(const Drive& drive) {
+  if (drive.sensor == Sensor::depth_camera || drive.scan_headers.empty())
+    throw InputError(drive.path, "has no scans from which points can be removed", "export without --points");
+}
+
+// The scan files of a recording and the labels of their points, without the returns of removed objects.
+class CleanScans {
+ public:
+  // Throws InputError if a scan does not exist.
+  CleanScans(const Drive& drive, LabeledScans scans) : scans_(std::move(scans)) {
+    std::map<std::string, fs::path> by_name;
+    for (const ScanHeader& header : drive.scan_headers) by_name[header.name] = header.file.lexically_normal();
+    for (const std::string& name : scans_.names) {
+      const auto file = by_name.find(name);
+      if (file == by_name.end())
+        throw InputError(drive.path, fmt::format("has no scan {}, which the run read", name), kSameRecording);
+      numbers_[file->second] = files_.size();
+      files_.push_back(file->second);
+    }
+  }
+
+  std::size_t size() const { return files_.size(); }
+
+  // Returns the scan of a file: that of its points, or that of their labels, NAME.label.
+  std::optional<std::size_t> find(const fs::path& file) const {
+    if (is_label(file)) {
+      const auto name = std::find(scans_.names.begin(), scans_.names.end(), file.stem().string());
+      return name == scans_.names.end() ? std::nullopt : std::optional<std::size_t>(name - scans_.names.begin());
+    }
+    const auto number = numbers_.find(file);
+    return number == numbers_.end() ? std::nullopt : std::optional(number->second);
+  }
+
+  // Writes a file of find() without the removed points, and returns their number, which is 0 for a file of labels.
+  std::size_t write(std::size_t scan, const fs::path& from, const fs::path& to) const {
+    const std::vector<bool> removed = find_removed_points(scans_, scan);
+    make_folder(to.parent_path());
+    write_file(to, media::remove_points(from, read_file(from), removed));
+    return is_label(from) ? 0 : static_cast<std::size_t>(std::count(removed.begin(), removed.end(), true));
+  }
+
+ private:
+  static bool is_label(const fs::path& file) { return file.extension() == ".label"; }
+
+  LabeledScans scans_;
+  std::vector<fs::path> files_;
+  std::map<fs::path, std::size_t> numbers_;  // by file
+};
+
 // Writes the clean image of a frame, and returns whether it differs from the recorded one.
 bool write_frame(const media::ImageEdit& edit, const fs::path& from, const fs::path& to, int jpeg_quality) {
   const std::string recorded = read_file(from);
@@ -158,6 +209,9 @@ ExportReport write_folder(const Result& result, const fs::path& folder, const Ex
   const fs::path root = datasets::find_data_root(drive);
   const std::vector<fs::path> frames = find_frame_files(result, drives, root);
   const RecordingFiles files = list_files_of(drive, input, result.folder());
+  if (options.points) require_scans(drive);
+  const CleanScans scans(drive, options.points ? result.label_scans(progress) : LabeledScans{});
+  progress.begin("export folder", frames.size());
   std::vector<fs::path> others;
   const std::set<fs::path> replaced(frames.begin(), frames.end());
   for (const fs::path& file : files.list())
@@ -169,11 +223,16 @@ ExportReport write_folder(const Result& result, const fs::path& folder, const Ex
     progress.advance();
   });
   progress.begin("copy", others.size());
-  for (const fs::path& file : others) {
-    copy_plain(root / file, folder / file);
+  std::vector<std::size_t> removed_points(others.size(), 0);
+  parallel_for(others.size(), [&](std::size_t i) {
+    const fs::path from = root / others[i], to = folder / others[i];
+    if (const std::optional<std::size_t> scan = scans.find(from))
+      removed_points[i] = scans.write(*scan, from, to);
+    else
+      copy_plain(from, to);
     progress.advance();
-  }
-  std::vector<CameraImages> recorded;
+  });
+  std::vector<RecordedPart> recorded;
   std::vector<std::string> other_cameras = drive.camera_names;
   for (std::size_t k = 0; k < drives.size(); ++k) {
     recorded.push_back({drives[k].camera_name, drives[k].frames.size(), result.count_frames(k)});
@@ -183,11 +242,16 @@ ExportReport write_folder(const Result& result, const fs::path& folder, const Ex
   if (const std::size_t left_out = files.count_left_out(); left_out > 0)
     progress.warn(fmt::format("{} links and files outside of {} are not copied", left_out, root.string()));
   const fs::path relative = drive.path.lexically_relative(root);
-  return {relative == "." ? std::vector<std::string>{} : std::vector<std::string>{relative.string()},
-          {{"cleaned images", static_cast<double>(frames.size())},
-           {"of them changed", static_cast<double>(std::count(changed.begin(), changed.end(), 1))},
-           {"other images of the cameras", static_cast<double>(unchanged)},
-           {"other files", static_cast<double>(others.size())}}};
+  ExportReport report{relative == "." ? std::vector<std::string>{} : std::vector<std::string>{relative.string()},
+                      {{"cleaned images", static_cast<double>(frames.size())},
+                       {"of them changed", static_cast<double>(std::count(changed.begin(), changed.end(), 1))},
+                       {"other images of the cameras", static_cast<double>(unchanged)},
+                       {"other files", static_cast<double>(others.size())}}};
+  if (!options.points) return report;
+  warn_of_returns({"the LiDAR", drive.scan_headers.size(), scans.size()}, {}, progress);
+  report.counts.emplace_back("cleaned scans", static_cast<double>(scans.size()));
+  report.counts.emplace_back("removed points", std::accumulate(removed_points.begin(), removed_points.end(), 0.0));
+  return report;
 }
 
 bool is_recording_file(const Result& result, const ExportOptions& options, const fs::path& place) {

@@ -32,6 +32,7 @@ struct ExportOptions {
   HoleLayout layout = HoleLayout::folders;
   int quality = 95;
   std::string input;
+  bool points = false;
   media::VideoOptions video;
 
   void describe(OptionTable& table) {
@@ -52,6 +53,7 @@ struct ExportOptions {
     table.add("quality", quality, {1, 100}, "bag, folder: quality of the JPEG images that contain filled pixels.");
     table.add("input", input, {},
               "bag, folder: the recording, if it is not where the run read it, or if it is an export of another camera of it.");
+    table.add("points", points, "bag, folder: remove the returns of removed objects from the scans, too.");
     video.describe(table);
   }
   void check() const { check_ranges(*this); }

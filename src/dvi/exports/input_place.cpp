@@ -20,7 +20,7 @@ void require_outside(const fs::path& place, const fs::path& recording) {
     throw InputError(place, "is in the folder of the recording", "choose a folder outside of it");
 }
 
-std::size_t warn_of_traffic(const std::vector<CameraImages>& images, const std::vector<std::string>& others,
+std::size_t warn_of_traffic(const std::vector<RecordedPart>& images, const std::vector<std::string>& others,
                             Progress& progress) {
   std::size_t unchanged = 0;
   for (const auto& [name, all, cleaned] : images) {
@@ -33,6 +33,15 @@ std::size_t warn_of_traffic(const std::vector<CameraImages>& images, const std::
   if (!others.empty())
     progress.warn(fmt::format("the images of {} are unchanged, with the traffic that they show", fmt::join(others, ", ")));
   return unchanged;
+}
+
+void warn_of_returns(const RecordedPart& scans, const std::vector<std::string>& others, Progress& progress) {
+  if (scans.cleaned < scans.all)
+    progress.warn(
+        fmt::format("{} of {} scans of {} were not read by the run: they are unchanged, with the returns of the traffic",
+                    scans.all - scans.cleaned, scans.all, scans.name));
+  if (!others.empty())
+    progress.warn(fmt::format("the scans of {} are unchanged, with the returns of the traffic", fmt::join(others, ", ")));
 }
 
 }  // namespace dvi::exports

@@ -14,16 +14,19 @@ RecordedInput find_input(const Result& result, const ExportOptions& options);
 /// Throws InputError if the place of an export is in the recording.
 void require_outside(const fs::path& place, const fs::path& recording);
 
-/// The images of a cleaned camera in a recording.
-struct CameraImages {
+/// The images of a cleaned camera, or the scans, in a recording.
+struct RecordedPart {
   std::string name;  ///< of the camera or topic
   std::size_t all = 0;
-  std::size_t cleaned = 0;  ///< those that are frames of the result
+  std::size_t cleaned = 0;  ///< those that the run read
 };
 
 /// Warns of images that an export leaves unchanged: others of the cleaned cameras, and those of the cameras or topics `others`.
 /// Returns the number of the former.
-std::size_t warn_of_traffic(const std::vector<CameraImages>& images, const std::vector<std::string>& others,
+std::size_t warn_of_traffic(const std::vector<RecordedPart>& images, const std::vector<std::string>& others,
                             Progress& progress);
+
+/// Warns of scans that an export with `--points` leaves unchanged: others of the LiDAR, and those of the topics `others`.
+void warn_of_returns(const RecordedPart& scans, const std::vector<std::string>& others, Progress& progress);
 
 }  // namespace dvi::exports

@@ -17,6 +17,9 @@ struct LabeledScans {
   Lazy<PointLabels> labels;        ///< per scan: one per point of its file, in the order of the file
 };
 
+/// Returns, per point of a scan's file, whether it is one of a removed object.
+std::vector<bool> find_removed_points(const LabeledScans& scans, std::size_t scan);
+
 /// Labels the scans of a finished result of `dvi run` (commands::label_scans()).
 using LabelScans = std::function<LabeledScans(const fs::path& out, Progress& progress)>;
 

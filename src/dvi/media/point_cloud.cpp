@@ -150,8 +150,8 @@ class Columns {
 
 PointCloud decode_binary(const fs::path& path, const PointTable& table, std::string_view data, CountFrom from) {
   std::vector<std::size_t> offsets;
-  std::size_t row = 0;
-  for (const PointField& field : table.fields) offsets.push_back(row), row += field.bytes * field.count;
+  for (std::size_t i = 0; i < table.fields.size(); ++i) offsets.push_back(table.position(i));
+  const std::size_t row = table.row_size();
   const Columns columns(path, table);
   if (data.size() / row < table.points) fail_short(path, table.points);
   const bool swap = table.data == PointTable::Data::big_endian;
@@ -166,8 +166,8 @@ PointCloud decode_binary(const fs::path& path, const PointTable& table, std::str
 
 PointCloud decode_ascii(const fs::path& path, const PointTable& table, std::string_view data, CountFrom from) {
   std::vector<std::size_t> offsets;
-  std::size_t row = 0;
-  for (const PointField& field : table.fields) offsets.push_back(row), row += field.count;
+  for (std::size_t i = 0; i < table.fields.size(); ++i) offsets.push_back(table.position(i));
+  const std::size_t row = table.row_size();
   const Columns columns(path, table);
   PointCloud cloud;
   for (std::size_t i = 0; i < table.points; ++i) {

@@ -109,8 +109,13 @@ bool is_pcd_entry(const std::string& word) {
 
 }  // namespace
 
-PointCloud read_ply(const fs::path& path, CountFrom from) {
-  const std::string bytes = read_file(path);
+std::size_t PointTable::position(std::size_t field) const {
+  std::size_t position = 0;
+  for (std::size_t i = 0; i < field; ++i) position += fields[i].count * (data == Data::ascii ? 1 : fields[i].bytes);
+  return position;
+}
+
+PointTable parse_ply(const fs::path& path, std::string_view bytes) {
   if (!bytes.starts_with("ply")) throw InputError(path, "is not a PLY file");
   Header header(path, bytes);
   header.next();
@@ -122,6 +127,7 @@ PointCloud read_ply(const fs::path& path, CountFrom from) {
     if (key == "format" && words.size() >= 2) table.data = parse_ply_data(path, words[1]);
     if (key == "element" && words.size() == 3) {
       behind = behind || (!elements.empty() && elements.back().name == "vertex");
+      table.has_others = table.has_others || (behind && read_count(path, words, 2) > 0);
       if (!behind) elements.push_back({words[1], read_count(path, words, 2), {}});
     }
     if (key == "property" && !behind && !elements.empty()) elements.back().fields.push_back(parse_ply_field(path, words));
@@ -132,11 +138,11 @@ PointCloud read_ply(const fs::path& path, CountFrom from) {
   elements.pop_back();
   std::string_view data = header.rest();
   for (const PlyElement& element : elements) skip_element(path, element, table.data, data);
-  return decode_points(path, table, data, from);
+  table.data_at = bytes.size() - data.size();
+  return table;
 }
 
-PointCloud read_pcd(const fs::path& path, CountFrom from) {
-  const std::string bytes = read_file(path);
+PointTable parse_pcd(const fs::path& path, std::string_view bytes) {
   Header header(path, bytes);
   std::map<std::string, std::vector<std::string>> entries;
   while (!entries.contains("DATA")) {
@@ -155,7 +161,21 @@ PointCloud read_pcd(const fs::path& path, CountFrom from) {
                      "write it as DATA binary or ascii, for example by pcl_convert_pcd_ascii_binary IN.pcd OUT.pcd 1");
   if (data != "DATA ascii" && data != "DATA binary") fail(path, data);
   table.data = data == "DATA ascii" ? PointTable::Data::ascii : PointTable::Data::little_endian;
-  return decode_points(path, table, header.rest(), from);
+  if (entries.contains("HEIGHT")) table.rows = read_count(path, entries["HEIGHT"], 1);
+  table.data_at = bytes.size() - header.rest().size();
+  return table;
+}
+
+PointCloud read_ply(const fs::path& path, CountFrom from) {
+  const std::string bytes = read_file(path);
+  const PointTable table = parse_ply(path, bytes);
+  return decode_points(path, table, std::string_view(bytes).substr(table.data_at), from);
+}
+
+PointCloud read_pcd(const fs::path& path, CountFrom from) {
+  const std::string bytes = read_file(path);
+  const PointTable table = parse_pcd(path, bytes);
+  return decode_points(path, table, std::string_view(bytes).substr(table.data_at), from);
 }
 
 }  // namespace dvi::media

@@ -21,7 +21,18 @@ struct PointTable {
   std::vector<PointField> fields;
   std::size_t points = 0;
   enum class Data { ascii, little_endian, big_endian } data = Data::ascii;
+  std::size_t rows = 1;     ///< of an organized PCD, whose points are the pixels of an image; 1 for others
+  std::size_t data_at = 0;  ///< the byte at which the points begin
+  bool has_others = false;  ///< whether a PLY has other elements after the points, such as faces
+
+  /// Returns the position of a field in a row: in bytes, or in numbers of an ascii file.
+  std::size_t position(std::size_t field) const;
+  std::size_t row_size() const { return position(fields.size()); }  ///< in the same unit
 };
+
+/// Parse the header of a PLY or PCD file. Throw InputError if it is malformed.
+PointTable parse_ply(const fs::path& path, std::string_view bytes);
+PointTable parse_pcd(const fs::path& path, std::string_view bytes);
 
 /// Decodes the data after a header. Throws InputError if they are shorter than declared or lack x, y, or z.
 PointCloud decode_points(const fs::path& path, const PointTable& table, std::string_view data,
