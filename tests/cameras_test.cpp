@@ -76,7 +76,6 @@ TEST_F(Cameras, HaveFoldersOfTheirOwnAndShareTheOtherFiles) {
 TEST_F(Cameras, AreAuditedAndScoredTogether) {
   stereo_drive();
   ASSERT_EQ(dvi("run drive --camera right,front -o out --quiet").code, 0);
-  expect_refused("export video out -o refused", 3, "has several cameras (right, front)");
   expect_refused("import-fill out out/front/frames", 3, "is not a folder");
   EXPECT_EQ(read("out/report.json")["cameras"], (nlohmann::json{"right", "front"})) << "in the given order";
   const Result audit = dvi("audit out drive --json --quiet");
@@ -99,8 +98,11 @@ TEST_F(Cameras, AreAuditedAndScoredTogether) {
 TEST_F(Cameras, AreExportedTogether) {
   stereo_drive();
   ASSERT_EQ(dvi("run drive --camera all -o out --quiet").code, 0);
-  for (const char* format : {"colmap", "nerfstudio", "mcap"})
+  for (const char* format : {"colmap", "nerfstudio", "mcap", "video"})
     ASSERT_EQ(dvi(std::string("export ") + format + " out -o " + format + " --quiet").code, 0) << format;
+  for (const char* camera : {"front", "right"})
+    EXPECT_TRUE(read_file(folder / "video" / camera / "video.mp4") == read_file(folder / "out" / camera / "video.mp4"))
+        << camera;
 
   const std::vector<std::string> cameras = read_lines(folder / "colmap/sparse/0/cameras.txt");
   ASSERT_EQ(cameras.size(), 3U) << "a comment and two cameras";

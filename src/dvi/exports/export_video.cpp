@@ -20,23 +20,39 @@ cv::Mat3b picture(const Result& result, std::size_t frame, bool beside) {
   return both;
 }
 
-ExportReport write_video(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
-  const Camera& camera = result.only_camera().camera;
-  media::VideoWriter video(folder / "video.mp4", {camera.width * (options.beside ? 2 : 1), camera.height}, options.video);
+// Writes the frames of a camera, which begin at `first`.
+void write_camera(const Result& result, std::size_t first, std::size_t count, const fs::path& file,
+                  const ExportOptions& options, Progress& progress) {
+  const cv::Size size = result.size(first);
+  media::VideoWriter video(file, {size.width * (options.beside ? 2 : 1), size.height}, options.video);
   make_and_use(
-      result.frames().size(), [&](std::size_t i) { return picture(result, i, options.beside); },
+      count, [&](std::size_t i) { return picture(result, first + i, options.beside); },
       [&](std::size_t, const cv::Mat3b& frame) {
         video.push(frame);
         progress.advance();
       });
   video.finish();
-  return {{"video.mp4"}, {{"frames", static_cast<double>(result.frames().size())}}};
+}
+
+ExportReport write_videos(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
+  ExportReport report;
+  std::size_t first = 0;
+  for (std::size_t k = 0; k < result.cameras().size(); ++k) {
+    const std::size_t count = result.count_frames(k);
+    const fs::path file = join_frame_name(result.cameras().size() > 1 ? result.cameras()[k].name : "", "video.mp4");
+    make_folder((folder / file).parent_path());
+    write_camera(result, first, count, folder / file, options, progress);
+    report.files.push_back(file);
+    first += count;
+  }
+  report.counts = {{"frames", static_cast<double>(first)}};
+  return report;
 }
 
 }  // namespace
 
 ExportFormat video_format() {
-  return {"video", "an mp4 of the result with selectable rate and quality, optionally beside the input", write_video};
+  return {"video", "an mp4 of the result with selectable rate and quality, optionally beside the input", write_videos};
 }
 
 }  // namespace dvi::exports

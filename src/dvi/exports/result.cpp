@@ -66,14 +66,6 @@ Result::Result(const fs::path& out, ResultSources from) : folder_(out), from_(st
   read_place();
 }
 
-const ResultCamera& Result::only_camera() const {
-  if (cameras_.size() == 1) return cameras_.front();
-  std::vector<std::string> names;
-  for (const ResultCamera& camera : cameras_) names.push_back(camera.name);
-  throw InputError(folder_, fmt::format("has several cameras ({}), and this format takes one", fmt::join(names, ", ")),
-                   "export a result of one camera (dvi run --camera NAME)");
-}
-
 std::size_t Result::count_frames(std::size_t camera) const {
   return static_cast<std::size_t>(
       std::count_if(frames_.begin(), frames_.end(), [&](const ResultFrame& frame) { return frame.camera == camera; }));

@@ -49,8 +49,6 @@ class Result {
 
   const fs::path& folder() const { return folder_; }
   const std::vector<ResultCamera>& cameras() const { return cameras_; }
-  /// Returns the camera. Throws InputError if there are several.
-  const ResultCamera& only_camera() const;
   const Camera& camera(std::size_t frame) const { return cameras_[frames_[frame].camera].camera; }
   cv::Size size(std::size_t frame) const { return {camera(frame).width, camera(frame).height}; }
   /// Returns the frames of each camera in order of time, one camera after the other.
