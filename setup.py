@@ -35,4 +35,5 @@ setup(
     cmdclass={"build_ext": CMakeBuild},
     install_requires=["numpy"],
     python_requires=">=3.9",
+    entry_points={"console_scripts": ["dvi = dvi.__main__:main"]},
 )

@@ -10,6 +10,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/cli/run_program.h"
 #include "dvi/commands/check.h"
 #include "dvi/commands/evaluate_result.h"
 #include "dvi/commands/find_recorded_input.h"
@@ -187,6 +188,15 @@ void bind_commands(py::module_& m) {
   });
 }
 
+// Runs the command line of the program.
+int run_program(Strings arguments) {
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+  const py::gil_scoped_release released;
+  return cli::run_program(static_cast<int>(arguments.size()), argv.data());
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_dvi, m) {
@@ -209,6 +219,7 @@ PYBIND11_MODULE(_dvi, m) {
   m.def("write_rgb", &write_rgb);
   m.def("write_gray", &write_gray);
   m.def("read_map", &read_map);
+  m.def("main", &run_program);
 }
 
 }  // namespace dvi::python

@@ -23,7 +23,7 @@ import numpy as np
 from . import _dvi
 from ._dvi import Frame, InputError, UsageError
 from .convert import convert
-from .dataset import Box, Camera, Dataset, FrameData, ScanData
+from .dataset import AnyPath, Array, Box, Camera, Dataset, FrameData, ScanData
 
 InputError.__module__ = UsageError.__module__ = Frame.__module__ = __name__
 
@@ -31,15 +31,20 @@ __version__: str = _dvi.version
 __all__ = ["Box", "Camera", "Dataset", "Frame", "FrameData", "InputError", "Map", "Masks", "Run", "ScanData", "UsageError", "check",
            "config", "convert", "eval", "export", "import_fill", "map", "masks", "run"]
 
-Source = Union[str, os.PathLike, Dataset]
+Source = Union[AnyPath, Dataset]
 Progress = Optional[Callable[[str, int, int], None]]
+
+
+def _parse(document: str) -> dict[str, Any]:
+    parsed: dict[str, Any] = json.loads(document)
+    return parsed
 
 
 class _Opened:
     """A dataset as a path; an object is written into a temporary folder first."""
 
     def __init__(self, dataset: Source, progress: Progress):
-        self._folder: Optional[tempfile.TemporaryDirectory] = None
+        self._folder: Optional[tempfile.TemporaryDirectory[str]] = None
         if isinstance(dataset, (str, os.PathLike)):
             self.path = os.fspath(dataset)
             return
@@ -64,12 +69,12 @@ class Run(Iterator[Any]):
     """The frames of a run in order of time, each as soon as it is made; pairs of a camera's name and a frame if several cameras are
     cleaned. Also a context manager: leaving it stops the work."""
 
-    def __init__(self, dataset: Source, sources: Sequence[Source], out: Optional["str | os.PathLike"], force: bool, threads: int,
+    def __init__(self, dataset: Source, sources: Sequence[Source], out: Optional[AnyPath], force: bool, threads: int,
                  progress: Progress, options: Mapping[str, Any]):
         self._run: Optional[_dvi.Run] = None
         self._opened: list[_Opened] = []
-        self._temporary = None
-        self.report: dict = {}  #: of the finished run, as report.json
+        self._temporary: Optional[tempfile.TemporaryDirectory[str]] = None
+        self.report: dict[str, Any] = {}  #: of the finished run, as report.json
         try:
             for source in (dataset, *sources):
                 self._opened.append(_Opened(source, progress))
@@ -94,11 +99,11 @@ class Run(Iterator[Any]):
             self.close()
             raise
         if frame is None:
-            self._end()
+            self._end(self._run)
             raise StopIteration
         return (frame.camera, frame) if frame.camera else frame
 
-    def finish(self) -> dict:
+    def finish(self) -> dict[str, Any]:
         """Runs to the end without handing out the frames that are left. Returns the report."""
         if self._run is not None:
             try:
@@ -106,11 +111,11 @@ class Run(Iterator[Any]):
             except BaseException:
                 self.close()
                 raise
-            self._end()
+            self._end(self._run)
         return self.report
 
-    def _end(self) -> None:
-        self.report = json.loads(self._run.report)
+    def _end(self, run: _dvi.Run) -> None:
+        self.report = _parse(run.report)
         self.close()
 
     def close(self) -> None:
@@ -134,7 +139,7 @@ class Run(Iterator[Any]):
             self.close()
 
 
-def run(dataset: Source, *sources: Source, out: "str | os.PathLike | None" = None, force: bool = False, threads: int = 0,
+def run(dataset: Source, *sources: Source, out: Optional[AnyPath] = None, force: bool = False, threads: int = 0,
         progress: Progress = None, **options: Any) -> Run:
     """Removes the traffic from a drive, frame by frame: `dvi run`.
 
@@ -159,31 +164,31 @@ def config(*, all: bool = False, **options: Any) -> str:
     return _dvi.config(options, all)
 
 
-def check(dataset: Source, *, out: "str | os.PathLike | None" = None, coverage: bool = False, threads: int = 0,
-          progress: Progress = None, **options: Any) -> dict:
+def check(dataset: Source, *, out: Optional[AnyPath] = None, coverage: bool = False, threads: int = 0,
+          progress: Progress = None, **options: Any) -> dict[str, Any]:
     """Describes a drive, its errors, and its missing data, as `dvi check --json` does. out: folder for pictures."""
     with _Opened(dataset, progress) as path:
-        return json.loads(_dvi.check(path, "" if out is None else os.fspath(out), options, coverage, threads, progress))
+        return _parse(_dvi.check(path, "" if out is None else os.fspath(out), options, coverage, threads, progress))
 
 
 @dataclass
 class Map:
     """The static map of a drive, in world axes: the drive's first LiDAR pose, x forward, y left, z up."""
 
-    points: np.ndarray  #: N x 3, float32, meters
-    colors: np.ndarray  #: N x 3, uint8, RGB; 128, 128, 128 where no frame observed the point
-    world_from_camera: np.ndarray  #: frames x 4 x 4
-    times: np.ndarray  #: frames, seconds
-    report: dict  #: as map.json
+    points: Array  #: N x 3, float32, meters
+    colors: Array  #: N x 3, uint8, RGB; 128, 128, 128 where no frame observed the point
+    world_from_camera: Array  #: frames x 4 x 4
+    times: Array  #: frames, seconds
+    report: dict[str, Any]  #: as map.json
 
 
-def map(dataset: Source, *, out: "str | os.PathLike | None" = None, trajectory: str = "none", threads: int = 0,
+def map(dataset: Source, *, out: Optional[AnyPath] = None, trajectory: str = "none", threads: int = 0,
         progress: Progress = None, **options: Any) -> Map:
     """Poses and static map of a drive: `dvi map`. out: folder for its files; None: they are not kept. trajectory: kitti or tum
     also writes trajectory.txt."""
     with tempfile.TemporaryDirectory(prefix="dvi-map-") as temporary, _Opened(dataset, progress) as path:
         folder = Path(temporary) / "map" if out is None else Path(out)
-        report = json.loads(_dvi.map(path, str(folder), trajectory, options, threads, progress))
+        report = _parse(_dvi.map(path, str(folder), trajectory, options, threads, progress))
         points, colors = _dvi.read_map(str(folder / "map.ply"))
         rows = np.loadtxt(folder / "poses.txt", ndmin=2).reshape(-1, 3, 4)
         poses = np.concatenate([rows, np.broadcast_to([[[0.0, 0, 0, 1]]], (len(rows), 1, 4))], axis=1)
@@ -195,42 +200,42 @@ class Masks:
     """What would be removed from a drive."""
 
     folder: Optional[Path]  #: with masks/CAMERA/NAME.png, which ``masks=`` takes back; None if not kept
-    report: dict  #: as masks.json
+    report: dict[str, Any]  #: as masks.json
 
 
-def masks(dataset: Source, *, out: "str | os.PathLike | None" = None, threads: int = 0, progress: Progress = None,
+def masks(dataset: Source, *, out: Optional[AnyPath] = None, threads: int = 0, progress: Progress = None,
           **options: Any) -> Masks:
     """Determines the objects that a run would remove: `dvi mask`. out: a new folder for the masks; None: only the report is kept."""
     with tempfile.TemporaryDirectory(prefix="dvi-masks-") as temporary, _Opened(dataset, progress) as path:
         folder = Path(temporary) / "masks" if out is None else Path(out)
-        report = json.loads(_dvi.masks(path, str(folder), options, threads, progress))
+        report = _parse(_dvi.masks(path, str(folder), options, threads, progress))
         return Masks(None if out is None else folder, report)
 
 
-def eval(out: "str | os.PathLike", truth: "str | os.PathLike | None" = None, *, ignore: "str | os.PathLike | None" = None,
-         masks: "str | os.PathLike | None" = None, labels: "str | os.PathLike | None" = None,
-         points: "str | os.PathLike | None" = None,
-         external: Mapping[str, "str | os.PathLike"] = {}, threads: int = 0, progress: Progress = None) -> dict:
+def eval(out: AnyPath, truth: Optional[AnyPath] = None, *, ignore: Optional[AnyPath] = None,
+         masks: Optional[AnyPath] = None, labels: Optional[AnyPath] = None,
+         points: Optional[AnyPath] = None,
+         external: Mapping[str, AnyPath] = {}, threads: int = 0, progress: Progress = None) -> dict[str, Any]:
     """Scores a result: what `dvi eval --json` prints. truth: folder of NAME.png; None: only artifacts and ghosts are counted;
     ignore: of masks not to score; masks: of masks to score instead of the masks of the result; labels: file of labels with 3D boxes
     and tracks, for ghosts; points: folder of true labels of the scans' points, NAME.label; external: folders of other programs'
     frames, by the name of the program."""
     others = [f"{name}={os.fspath(folder)}" for name, folder in external.items()]
-    paths = ("" if path is None else os.fspath(path) for path in (truth, ignore, masks, labels, points))
-    return json.loads(_dvi.evaluate(os.fspath(out), *paths, others, threads, progress))
+    names = ["" if path is None else os.fspath(path) for path in (truth, ignore, masks, labels, points)]
+    return _parse(_dvi.evaluate(os.fspath(out), names[0], names[1], names[2], names[3], names[4], others, threads, progress))
 
 
-def export(format: str, out: "str | os.PathLike", folder: "str | os.PathLike", *, threads: int = 0, progress: Progress = None,
-           **options: Any) -> dict:
+def export(format: str, out: AnyPath, folder: AnyPath, *, threads: int = 0, progress: Progress = None,
+           **options: Any) -> dict[str, Any]:
     """Writes a result for other tools: what `dvi export --json` prints. format: colmap, nerfstudio, ply, las, ortho, mcap, video, holes,
     labels (of the points of the scans), bag or folder (the recording with clean images; a bag of one file is exported to a file)."""
-    return json.loads(_dvi.export(format, os.fspath(out), os.fspath(folder), options, threads, progress))
+    return _parse(_dvi.export(format, os.fspath(out), os.fspath(folder), options, threads, progress))
 
 
-def import_fill(out: "str | os.PathLike", frames: "str | os.PathLike | None" = None, *, undo: bool = False, threads: int = 0,
-                progress: Progress = None) -> dict:
+def import_fill(out: AnyPath, frames: Optional[AnyPath] = None, *, undo: bool = False, threads: int = 0,
+                progress: Progress = None) -> dict[str, Any]:
     """Fills the unobserved pixels of a result from another program's images: what `dvi import-fill --json` prints. frames: the folder
     of the images, one per frame. undo: restores the frames of the run instead."""
     if undo == (frames is not None):
         raise TypeError("import_fill() takes either frames or undo=True")
-    return json.loads(_dvi.import_fill(os.fspath(out), "" if undo else os.fspath(frames), threads, progress))
+    return _parse(_dvi.import_fill(os.fspath(out), "" if frames is None else os.fspath(frames), threads, progress))

@@ -2,17 +2,20 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
 from pathlib import Path
-from typing import Any, Callable, Optional
+from typing import Any, Callable, Optional, Sequence
 
 import numpy as np
 
 from ._dvi import InputError, write_gray, write_rgb
-from .dataset import Camera, Dataset
+from .dataset import AnyPath, Array, Camera, Dataset
 
 Progress = Optional[Callable[[str, int, int], None]]
+
+# The numbers of coefficients that the distortion of a camera model has; none is always possible.
+_COEFFICIENTS: dict[str, tuple[int, ...]] = {"pinhole": (4, 5, 8), "fisheye": (4,), "unified": (4,), "equirectangular": (),
+                                             "cylindrical": ()}
 
 
 def _ask(place: str, question: Callable[[], Any]) -> Any:
@@ -25,7 +28,7 @@ def _ask(place: str, question: Callable[[], Any]) -> Any:
         raise InputError(f"{place} raised {type(error).__name__}: {error}") from error
 
 
-def _array(place: str, value: Any, shape: tuple, what: str, kinds: str = "fiu") -> np.ndarray:
+def _array(place: str, value: Any, shape: Sequence[Optional[int]], what: str, kinds: str = "fiu") -> Array:
     array = np.asarray(value)
     fits = len(array.shape) == len(shape) and all(want is None or want == have for want, have in zip(shape, array.shape))
     if not fits or array.dtype.kind not in kinds:
@@ -34,7 +37,7 @@ def _array(place: str, value: Any, shape: tuple, what: str, kinds: str = "fiu") 
     return array
 
 
-def _finite(place: str, array: np.ndarray) -> np.ndarray:
+def _finite(place: str, array: Array) -> Array:
     if not np.isfinite(array).all():
         raise InputError(f"{place} holds values that are not finite")
     return array
@@ -50,7 +53,7 @@ def _number(place: str, value: Any) -> float:
     return number
 
 
-def _motion(place: str, value: Any) -> np.ndarray:
+def _motion(place: str, value: Any) -> Array:
     array = np.asarray(value)
     if array.shape not in ((3, 4), (4, 4)) or array.dtype.kind not in "fiu":
         raise InputError(f"{place} has the shape {array.shape}; it must be 3 x 4 or 4 x 4")
@@ -60,12 +63,13 @@ def _motion(place: str, value: Any) -> np.ndarray:
     return matrix
 
 
-def _quaternion(R: np.ndarray) -> np.ndarray:
+def _quaternion(R: Array) -> Array:
     """x, y, z, w of a rotation, by the largest eigenvector of Bar-Itzhack's matrix."""
     (a, b, c), (d, e, f), (g, h, i) = R
     K = np.array([[a - e - i, b + d, c + g, h - f], [b + d, e - a - i, f + h, c - g],
                   [c + g, f + h, i - a - e, d - b], [h - f, c - g, d - b, a + e + i]]) / 3
-    return np.linalg.eigh(K)[1][:, -1]
+    vectors: Array = np.linalg.eigh(K)[1]
+    return vectors[:, -1]
 
 
 def _toml_array(values: Any) -> str:
@@ -88,7 +92,7 @@ class _Writer:
         self.scan_times: list[str] = []
         self.starts: list[float] = []
         self.poses: list[str] = []
-        self.boxes: dict[str, list] = {}
+        self.boxes: dict[str, list[dict[str, Any]]] = {}
         self.has_t: Optional[bool] = None
 
     def _camera(self, i: int, camera: Any) -> Camera:
@@ -100,10 +104,20 @@ class _Writer:
             raise InputError(f"{place}.name is {camera.name!r}; it must be a name of a folder")
         width, height = _array(f"{place}.size", camera.size, (2,), "width and height", "iu")
         K = _finite(f"{place}.K", _array(f"{place}.K", camera.K, (3, 3), "3 x 3 numbers").astype(float))
-        distortion = getattr(camera, "distortion", (0,) * 5)
-        distortion = _finite(f"{place}.distortion", _array(f"{place}.distortion", distortion, (5,), "k1, k2, p1, p2, k3"))
         pose = _motion(f"{place}.camera_from_lidar", camera.camera_from_lidar)
-        return Camera(camera.name, (int(width), int(height)), K, pose, tuple(distortion))
+        return Camera(camera.name, (int(width), int(height)), K, pose, *self._lens(place, camera))
+
+    def _lens(self, place: str, camera: Any) -> tuple[Sequence[float], str, float]:
+        model = getattr(camera, "model", "pinhole")
+        if model not in _COEFFICIENTS:
+            raise InputError(f"{place}.model is {model!r}; it must be one of {', '.join(_COEFFICIENTS)}")
+        distortion = np.asarray(getattr(camera, "distortion", ()))
+        if distortion.ndim != 1 or len(distortion) not in (0, *_COEFFICIENTS[model]) or (len(distortion) and distortion.dtype.kind not in "fiu"):
+            have = " x ".join(map(str, distortion.shape)) or "a single value"
+            counts = " or ".join(map(str, _COEFFICIENTS[model])) or "no"
+            raise InputError(f"{place}.distortion is {have} of {distortion.dtype}; it must be {counts} numbers for the model {model}")
+        xi = float(getattr(camera, "xi", 0))
+        return tuple(float(v) for v in _finite(f"{place}.distortion", distortion.astype(float))), model, xi
 
     def frame(self, i: int) -> None:
         place, name = f"dataset.frame({i})", f"{i:06d}"
@@ -128,12 +142,15 @@ class _Writer:
         if boxes is not None:
             self.boxes[name] = [self._box(f"{place}.boxes[{k}]", box) for k, box in enumerate(boxes)]
 
-    def _box(self, place: str, box: Any) -> dict:
-        three = lambda part: _finite(f"{place}.{part}", _array(f"{place}.{part}", getattr(box, part), (3,), "3 numbers"))
-        return _ask(place, lambda: {"track": int(box.track), "class": str(box.kind), "center": [float(v) for v in three("center")],
-                                    "size": [float(v) for v in three("size")], "yaw": _number(f"{place}.yaw", box.yaw)})
+    def _box(self, place: str, box: Any) -> dict[str, Any]:
+        def three(part: str) -> list[float]:
+            return [float(v) for v in _finite(f"{place}.{part}", _array(f"{place}.{part}", getattr(box, part), (3,), "3 numbers"))]
 
-    def _item(self, place: str, question: Callable[[], Any], fields: tuple) -> Any:
+        entry: dict[str, Any] = _ask(place, lambda: {"track": int(box.track), "class": str(box.kind), "center": three("center"),
+                                                     "size": three("size"), "yaw": _number(f"{place}.yaw", box.yaw)})
+        return entry
+
+    def _item(self, place: str, question: Callable[[], Any], fields: Sequence[str]) -> Any:
         item = _ask(f"{place} (len(dataset) is {self.length})", question)
         for field in fields:
             if not hasattr(item, field):
@@ -173,8 +190,8 @@ class _Writer:
         self.starts.append(start)
         if getattr(scan, "world_from_lidar", None) is not None:
             pose = _motion(f"{place}.world_from_lidar", scan.world_from_lidar)
-            values = [time, *pose[:, 3], *_quaternion(pose[:, :3])]
-            self.poses.append(" ".join([f"{values[0]:.9f}"] + [repr(float(v)) for v in values[1:]]) + "\n")
+            numbers = [*pose[:, 3], *_quaternion(pose[:, :3])]
+            self.poses.append(" ".join([f"{time:.9f}"] + [repr(float(v)) for v in numbers]) + "\n")
 
     def tables(self) -> None:
         if 0 < len(self.poses) < self.length:
@@ -196,11 +213,17 @@ class _Writer:
         text += 'stamp = "start"\n' if self.has_t else 'stamp = "middle"\nrotation = "none"\n'
         for camera in self.cameras:
             text += f'\n[camera."{camera.name}"]\nsize = [{camera.size[0]}, {camera.size[1]}]\nK = {_toml_array(camera.K)}\n'
-            text += f"distortion = {_toml_array(camera.distortion)}\ncamera_from_lidar = {_toml_array(camera.camera_from_lidar)}\n"
+            text += f"camera_from_lidar = {_toml_array(camera.camera_from_lidar)}\n"
+            if len(camera.distortion):
+                text += f"distortion = {_toml_array(camera.distortion)}\n"
+            if camera.model != "pinhole" or len(camera.distortion) == 4:
+                text += f'model = "{camera.model}"\n'
+            if camera.model == "unified":
+                text += f"xi = {camera.xi!r}\n"
         (self.folder / "dvi.toml").write_text(text)
 
 
-def convert(dataset: Dataset, folder: "str | os.PathLike", progress: Progress = None) -> Path:
+def convert(dataset: Dataset, folder: AnyPath, progress: Progress = None) -> Path:
     """Writes a dataset into a new or empty folder in dvi's plain layout, all of it or nothing. Returns the folder.
 
     Each frame and scan is asked for once, in order, and one at a time is held. InputError names the place of what is wrong, such as

@@ -4,21 +4,27 @@ Axes: camera x right, y down, z forward; LiDAR x forward, y left, z up. Meters, 
 """
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, field
-from typing import Any, Mapping, Optional, Protocol, Sequence, runtime_checkable
+from typing import Any, Mapping, Optional, Protocol, Sequence, Union, runtime_checkable
 
-import numpy as np
+import numpy.typing as npt
+
+AnyPath = Union[str, "os.PathLike[str]"]
+Array = npt.NDArray[Any]
 
 
 @dataclass
 class Camera:
-    """A pinhole camera of the rig."""
+    """A camera of the rig."""
 
     name: str
     size: tuple[int, int]  #: width, height in pixels
     K: Any  #: 3 x 3, pixels; the center of the first pixel is (0, 0)
     camera_from_lidar: Any  #: 3 x 4 or 4 x 4
-    distortion: Sequence[float] = (0, 0, 0, 0, 0)  #: k1, k2, p1, p2, k3, as OpenCV has them
+    distortion: Sequence[float] = ()  #: of the model, as docs/formats.md lists them; of a pinhole k1, k2, p1, p2, k3 of OpenCV
+    model: str = "pinhole"  #: or fisheye, unified, equirectangular, cylindrical
+    xi: float = 0  #: of the unified model
 
 
 @dataclass
@@ -36,9 +42,9 @@ class Box:
 class FrameData:
     """The images of the cameras at one time."""
 
-    images: Mapping[str, np.ndarray]  #: by camera: height x width x 3, uint8, RGB
+    images: Mapping[str, Array]  #: by camera: height x width x 3, uint8, RGB
     time: Any  #: seconds, or a mapping from camera to seconds
-    masks: Mapping[str, np.ndarray] = field(default_factory=dict)  #: by camera: height x width, not 0 = remove
+    masks: Mapping[str, Array] = field(default_factory=dict)  #: by camera: height x width, not 0 = remove
     boxes: Optional[Sequence[Box]] = None  #: None: nothing is labeled; an empty list: nothing is there
 
 
@@ -46,9 +52,9 @@ class FrameData:
 class ScanData:
     """One revolution of the LiDAR."""
 
-    points: np.ndarray  #: N x 3 or N x 4 (with intensity), any float; points that are not finite are left out
+    points: Array  #: N x 3 or N x 4 (with intensity), any float; points that are not finite are left out
     time: float  #: seconds: what `t` and `world_from_lidar` refer to
-    t: Optional[np.ndarray] = None  #: N, seconds after `time` (negative before); None: already compensated for motion to `time`
+    t: Optional[Array] = None  #: N, seconds after `time` (negative before); None: already compensated for motion to `time`
     world_from_lidar: Any = None  #: 3 x 4 or 4 x 4, at `time`; None: poses are estimated from the scans
 
 

@@ -257,6 +257,53 @@ def test_bad_datasets_are_refused_by_place(street, tmp_path, where, fields, word
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("lens", ["fisheye", "unified", "panorama"])
+def test_cameras_of_every_model_are_written(tmp_path, lens):
+    tomllib = pytest.importorskip("tomllib")
+    drive = tmp_path / "drive"
+    subprocess.run([PROGRAM, "synth", "-o", drive, "--frames", "2", "--width", "160", "--height", "80", "--beams", "24", "--columns",
+                    "500", "--lens", lens, "--quiet"], check=True, capture_output=True)
+    street, recorded = Street(drive), tomllib.loads((drive / "dvi.toml").read_text())["camera"]["front"]
+    street.cameras[0].model = recorded["model"]
+    street.cameras[0].distortion = recorded.get("distortion", [])
+    street.cameras[0].xi = recorded.get("xi", 0)
+    written = tomllib.loads((dvi.convert(street, tmp_path / "copy") / "dvi.toml").read_text())["camera"]["front"]
+    for key in ("model", "distortion", "xi"):
+        assert written.get(key) == recorded.get(key), key
+    assert dvi.check(street)["frames"]["count"] == 2
+
+
+def test_lenses_that_do_not_exist(street, tmp_path):
+    other = Street(street)
+    other.cameras[0].model = "thin"
+    with pytest.raises(dvi.InputError, match=r"cameras\[0\]\.model is 'thin'; it must be one of pinhole, fisheye"):
+        dvi.convert(other, tmp_path / "drive")
+    other.cameras[0].model, other.cameras[0].distortion = "fisheye", [0.1, 0.2]
+    with pytest.raises(dvi.InputError, match=r"cameras\[0\]\.distortion is 2 of float64; it must be 4 numbers for the model fisheye"):
+        dvi.convert(other, tmp_path / "drive")
+
+
+def test_the_module_is_the_program(street, result, tmp_path):
+    def call(*arguments):
+        return subprocess.run([sys.executable, "-m", "dvi", *arguments], capture_output=True, text=True)
+
+    assert call("version").stdout == subprocess.run([PROGRAM, "version"], capture_output=True, text=True).stdout
+    refused = call("run", "nowhere", "-o", tmp_path / "out")
+    assert refused.returncode == 3 and "nowhere: does not exist" in refused.stderr
+    assert call("run", "--no-such-option").returncode == 2
+    done = call("run", street, "-o", tmp_path / "out", "--quiet")
+    assert done.returncode == 0, done.stderr
+    for frame in sorted((result / "frames").iterdir()):
+        assert (tmp_path / "out/frames" / frame.name).read_bytes() == frame.read_bytes()
+
+
+def test_types_are_complete():
+    pytest.importorskip("mypy")
+    package = os.path.dirname(dvi.__file__)
+    checked = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir", os.devnull, package], capture_output=True, text=True)
+    assert checked.returncode == 0, checked.stdout + checked.stderr
+
+
 def test_datasets_that_raise_or_lie_about_their_length(street, tmp_path):
     longer = Street(street)
     longer.__class__ = type("Longer", (Street,), {"__len__": lambda self: 6})
