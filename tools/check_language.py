@@ -118,9 +118,11 @@ def files_of(root):
 
 def text_of(path):
     try:
-        return path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError:
         return ""  # a picture
+    # The pictures in a notebook are encoded as letters.
+    return re.sub(r'"image/\w+": "[^"]*"', "", text) if path.suffix == ".ipynb" else text
 
 
 def prose(name, text):

@@ -36,6 +36,10 @@ class CheckLanguage(unittest.TestCase):
         self.assertEqual(self.check("src/dvi/drive/traffic_classes.cpp", '"truck", "lorry"\n')[0], 0)
         self.assertEqual(self.check("tests/foreign/a.txt", "colour\n")[0], 0)
 
+    def test_pictures_in_notebooks_pass(self):
+        self.assertEqual(self.check("a.ipynb", '{"image/jpeg": "xKerBx", "text": "a curb"}\n')[0], 0)
+        self.assertEqual(self.check("a.ipynb", '{"image/jpeg": "x", "text": "a kerb"}\n')[0], 1)
+
     def test_phrases_are_found_in_documents_with_their_line(self):
         code, output = self.check("docs/a.md", "# A\nNobody lends it, which\nis no mask. It takes 3 s a\nframe.\n")
         self.assertEqual(code, 1)
