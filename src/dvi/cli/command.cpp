@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <new>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <opencv2/core.hpp>
 
 #include "dvi/cli/completion.h"
 #include "dvi/core/error.h"
@@ -16,6 +18,10 @@
 
 namespace dvi::cli {
 namespace {
+
+constexpr const char* kOutOfMemory =
+    "there is not enough memory; use fewer threads (--threads 1), smaller caches (--set job.memory_mb=N), or fewer frames "
+    "(--frames A:B). Finished frames of a run are kept";
 
 // An interrupt, with a description of the results that are kept.
 class InterruptedCommand : public Interrupted {
@@ -213,6 +219,9 @@ int Program::main(int argc, char** argv) {
     fmt::print(stderr, "dvi: {}\n", to_printable(message));
     return code;
   };
+  const auto fail_for_bug = [&](const std::exception& e) {
+    return fail(1, fmt::format("{}\nThis is a bug in dvi {}: please report it with the command line.", e.what(), kVersion));
+  };
   try {
     impl_->app.parse(argc, argv);
     return 0;
@@ -229,8 +238,12 @@ int Program::main(int argc, char** argv) {
     return fail(3, fmt::format("{}: cannot be used ({}); check the path and its permissions", path, e.code().message()));
   } catch (const Interrupted& e) {
     return fail(130, e.what());
+  } catch (const std::bad_alloc&) {
+    return fail(3, kOutOfMemory);
+  } catch (const cv::Exception& e) {
+    return e.code == cv::Error::StsNoMem ? fail(3, kOutOfMemory) : fail_for_bug(e);
   } catch (const std::exception& e) {
-    return fail(1, fmt::format("{}\nThis is a bug in dvi {}: please report it with the command line.", e.what(), kVersion));
+    return fail_for_bug(e);
   }
 }
 

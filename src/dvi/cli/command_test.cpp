@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 
 #include "dvi/cli/completion.h"
 #include "dvi/core/error.h"
@@ -55,6 +56,17 @@ TEST(Program, EachFailureIsOneMessageOnStderr) {
   EXPECT_EQ(run([] { throw InputError("a.png", "is not an image", "replace it"); }).err.find("dvi: a.png: is not an image"), 0);
   EXPECT_EQ(run([] { throw Interrupted(); }).err, "dvi: interrupted; nothing is kept, the same command starts again\n");
   EXPECT_THAT(run([] { throw UsageError("--frames"); }).out, IsEmpty());
+}
+
+TEST(Program, TooLittleMemoryIsNotABug) {
+  for (const std::function<void()>& action : {std::function<void()>([] { throw std::bad_alloc(); }), std::function<void()>([] {
+                                                CV_Error(cv::Error::StsNoMem, "Failed to allocate");
+                                              })}) {
+    const Outcome outcome = run(action);
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_THAT(outcome.err, StartsWith("dvi: there is not enough memory; use fewer threads"));
+  }
+  EXPECT_EQ(run([] { CV_Error(cv::Error::StsBadArg, "size"); }).code, 1);
 }
 
 TEST(Program, AnInterruptedCommandSaysWhatIsKept) {
