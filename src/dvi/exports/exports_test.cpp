@@ -151,10 +151,9 @@ TEST(RosMessages, AlignEachNumberToItsSize) {
 
 TEST(Exports, ReportMissingFiles) {
   const TempFolder folder;
-  const ExportFormat& format = find_export_format("ply");
   Progress quiet(ProgressStyle::quiet);
   const auto message = [&] {
-    return input_error([&] { export_result({folder.path / "out", folder.path / "to"}, format, {}, quiet); });
+    return input_error([&] { export_result({folder.path / "out", folder.path / "to"}, find_export_format("ply"), {}, quiet); });
   };
   EXPECT_THAT(message(), HasSubstr("is not a folder"));
   folder.write("out/frames/a.png", "");

@@ -108,13 +108,27 @@ bool ends_early(const OpenedVideo& video, const std::vector<CodedFrame>& frames)
          kMaxRateRatio * seen + kMaxMissingFrames * seen / static_cast<double>(std::max<std::size_t>(frames.size(), 2) - 1);
 }
 
-// The display matrix rotates counterclockwise.
-int read_rotation_deg(AVStream& stream) {
+// Returns the display matrix of the stream, or null if it has none. FFmpeg 6.1 moved it to the parameters of the codec.
+const std::int32_t* find_display_matrix(const AVStream& stream) {
   constexpr std::size_t kMatrixBytes = 9 * sizeof(std::int32_t);
+#if LIBAVCODEC_VERSION_INT >= AV_VERSION_INT(60, 31, 102)
+  const AVCodecParameters& codec = *stream.codecpar;
+  const AVPacketSideData* found =
+      av_packet_side_data_get(codec.coded_side_data, codec.nb_coded_side_data, AV_PKT_DATA_DISPLAYMATRIX);
+  if (found == nullptr || found->size < kMatrixBytes) return nullptr;
+  return reinterpret_cast<const std::int32_t*>(found->data);
+#else
   std::size_t bytes = 0;
   const std::uint8_t* data = av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, &bytes);
-  if (data == nullptr || bytes < kMatrixBytes) return 0;
-  const double turned = av_display_rotation_get(reinterpret_cast<const std::int32_t*>(data));
+  return data == nullptr || bytes < kMatrixBytes ? nullptr : reinterpret_cast<const std::int32_t*>(data);
+#endif
+}
+
+// The display matrix rotates counterclockwise.
+int read_rotation_deg(const AVStream& stream) {
+  const std::int32_t* matrix = find_display_matrix(stream);
+  if (matrix == nullptr) return 0;
+  const double turned = av_display_rotation_get(matrix);
   if (!std::isfinite(turned)) return 0;
   return (360 - static_cast<int>(std::lround(turned)) % 360) % 360;
 }

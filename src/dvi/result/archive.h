@@ -127,8 +127,10 @@ class ArchiveReader {
   void pass_optional(T& value) {
     bool has = false;
     *this >> has;
-    value.reset();
-    if (has) *this >> value.emplace();
+    if (has)
+      *this >> value.emplace();
+    else
+      value.reset();
   }
   template <class T>
   void pass_items(T& container) {
