@@ -10,8 +10,10 @@ mkdir -p "$folder"/man "$folder"/share/{bash-completion/completions,zsh/vendor-c
 
 # The same pages on any day.
 export SOURCE_DATE_EPOCH=0
-page() {  # NAME SUMMARY WORDS: help2man calls WORDS --help
-  "$help2man" --no-info --version-string="$version" --manual="dvi" --name="$2" "$3" | gzip -n9 >"$folder/man/$1.1.gz"
+page() {  # NAME SUMMARY WORDS: help2man calls WORDS --help; it takes the name of the page from WORDS, which are two for a command
+  "$help2man" --no-info --version-string="$version" --manual="dvi" --name="$2" "$3" |
+    sed -e "s/^\.TH [^\"]*\"1\"/.TH ${1^^} \"1\"/" -e "/^\.SH NAME/{n;s/^dvi[a-z -]* \\\\- /$1 \\\\- /}" |
+    gzip -n9 >"$folder/man/$1.1.gz"
 }
 page dvi "remove traffic from recorded drives" "$program"
 "$program" completion words -- '' |
