@@ -136,7 +136,9 @@ class Mutations(Temporary):
     @staticmethod
     def bytes_of(drive):
         def content(path):
-            return os.readlink(path) if path.is_symlink() else path.read_bytes() if path.is_file() else path.is_dir()
+            if path.is_symlink() or not path.is_file():
+                return os.readlink(path) if path.is_symlink() else path.is_dir()
+            return path.read_bytes() if os.access(path, os.R_OK) else "no permission"  # root can read all
         return {os.fsencode(path.relative_to(drive)): content(path) for path in drive.rglob("*")}
 
 
