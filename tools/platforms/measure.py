@@ -2,7 +2,7 @@
 import re
 from dataclasses import dataclass, field
 
-# Of the compiler, in any file that our code includes, and of CMake. A link or a cache may repeat one.
+# Warnings of the compiler, in any file that our code includes, and those of CMake.
 WARNING = re.compile(r"^(?:\S+:\d+(?::\d+)?: warning: .*|CMake (?:Deprecation )?Warning.*)$", re.M)
 SUMMARY = re.compile(r"(\d+) tests? failed out of (\d+)")
 SKIPPED = re.compile(r"^\s*\d+ - .* \(Skipped\)\s*$", re.M)

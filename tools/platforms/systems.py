@@ -15,7 +15,7 @@ class System:
     name: str
     distribution: str  # as the Origin of its archive
     suite: str
-    script: str  # of debootstrap; older versions do not have one for newer suites
+    script: str  # the name of a script of debootstrap; older versions do not have one for newer suites
     keyring: str
     components: tuple[str, ...] = ("main",)
 
