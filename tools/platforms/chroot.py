@@ -7,7 +7,8 @@ USER = "builder"
 HOME = f"/home/{USER}"
 PATH = "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin"
 
-# ROOT USER COMMAND [OUTSIDE INSIDE]...: its mounts are private and end with the command, as do all its processes.
+# ROOT USER COMMAND [OUTSIDE INSIDE]...: its mounts are private and end with the command, as do all its processes. The shell stays
+# the first process, as root: where it is killed, so are all others. A process that changes its user loses --kill-child.
 ENTER = r"""
 set -eu
 root=$1 user=$2 command=$3
@@ -23,8 +24,9 @@ while [ $# -gt 0 ]; do
 done
 home=/root
 [ "$user" = root ] || home=/home/$user
-exec env -i PATH="$0" HOME="$home" USER="$user" LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive CCACHE_DIR=/var/cache/ccache \
+env -i PATH="$0" HOME="$home" USER="$user" LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive CCACHE_DIR=/var/cache/ccache \
   chroot --userspec="$user" "$root" bash -c 'cd; eval "$1"' bash "$command"
+exit 0
 """
 
 

@@ -10,6 +10,7 @@ the folder $DVI_PLATFORMS. Exit code 1 if anything failed; a system that cannot 
 import argparse
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -98,7 +99,7 @@ def build(system, base, result, keep):
     chroot.call("apt-get update && " + INSTALL + f" git sudo && echo '{USER} ALL=(ALL) NOPASSWD: ALL' >/etc/sudoers.d/{USER}"
                 f" && chown {USER}: /var/cache/ccache")  # fmt: skip
     clone = chroot.root / HOME.strip("/") / "dvi"
-    subprocess.run(["git", "clone", "--quiet", "--no-hardlinks", ROOT, clone], check=True)
+    subprocess.run(["git", "-c", "advice.detachedHead=false", "clone", "--quiet", "--no-hardlinks", ROOT, clone], check=True)
     chroot.call(f"chown -R {USER}: {HOME}")
     bare = chroot.megabytes()
     steps, texts = Steps(system, chroot, result), []
@@ -192,6 +193,7 @@ def main():
         sys.exit("platforms: --packages needs one SYSTEM")
     if os.geteuid() != 0:
         sys.exit("platforms: needs root, to make and enter systems: sudo ./dev platforms")
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # the command that runs in a system ends as well
     results = [test(SYSTEMS[name], arguments.packages, arguments.keep) for name in arguments.systems or SYSTEMS]
     commit = output_of("git", "-C", str(ROOT), "rev-parse", "--short", "HEAD").strip()
     print(f"\ncommit {commit}, {os.cpu_count()} cores\n\n{table(results)}")
