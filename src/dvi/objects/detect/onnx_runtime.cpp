@@ -20,6 +20,7 @@ namespace {
 
 // From this version of the API on, opset 18 is supported, which exporters of the last years write.
 constexpr std::uint32_t kApiVersion = 14;
+constexpr std::uint32_t kMaxNamedVersion = 60;  // the newest version that is looked for by its name
 constexpr const char* kLibraryName = "libonnxruntime.so";
 constexpr const char* kModelRemedy =
     "export it as docs/detector.md describes, or give the masks that the tool of the network writes with --masks";
@@ -324,6 +325,9 @@ std::shared_ptr<const OnnxRuntime> find_runtime(const std::string& given) {
 #else
   for (const char* version : {".1", ""})
     if (auto runtime = try_load(std::string(kLibraryName) + version)) return runtime;
+  // Debian 13 has libonnxruntime.so.1.21 alone.
+  for (std::uint32_t version = kMaxNamedVersion; version >= kApiVersion; --version)
+    if (auto runtime = try_load(fmt::format("{}.1.{}", kLibraryName, version))) return runtime;
   for (const fs::path& library : find_onnx_runtime_libraries())
     if (auto runtime = try_load(library.string())) return runtime;
   return nullptr;
