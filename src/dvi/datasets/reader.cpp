@@ -63,7 +63,9 @@ std::optional<std::string> describe_nearest_format(const fs::path& folder) {
     if (share > most) nearest = &format, most = share, lacks = missing;
   }
   if (nearest == nullptr) return std::nullopt;
-  return "it is most similar to " + nearest->name + (lacks.empty() ? "" : ", but lacks " + lacks);
+  return "it is most similar to " + nearest->name + (lacks.empty() ? "" : ", but lacks " + lacks) +
+         (nearest->name == folder_format().name ? "; dvi init " + folder.string() + " prepares images and scans of your own"
+                                                : "");
 }
 
 [[noreturn]] void fail_unknown(const fs::path& path) {

@@ -94,6 +94,9 @@ TEST(Reader, SuggestsFormatsIfThereIsNoDrive) {
   make_folder(folder.path / "velodyne");
   make_folder(folder.path / "image_2");
   EXPECT_THAT(error(folder.path), AllOf(HasSubstr("most similar to kitti-odometry"), HasSubstr("lacks calib.txt, times.txt")));
+  make_folder(folder.path / "own/lidar");
+  EXPECT_THAT(error(folder.path / "own"), AllOf(HasSubstr("most similar to folder, but lacks"), HasSubstr("; dvi init"),
+                                                HasSubstr("prepares images and scans")));
   EXPECT_THAT(error(folder.path / "none"), HasSubstr("does not exist"));
   EXPECT_THAT(error(""), HasSubstr("path of the drive is empty"));
   EXPECT_THAT(error(folder.path / "notes.txt"), HasSubstr("is not a recording"));
