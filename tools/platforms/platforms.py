@@ -112,9 +112,9 @@ def build(system, base, result, keep):
     except Failed:  # the packages are built all the same
         texts.append((steps.folder / "dev_test.log").read_text(encoding="utf-8", errors="replace"))
     enter_tests(texts[-1], result)
-    texts.append(steps.run("./dev package", "cd dvi && ./dev package", timed=True))
-    result.figures["disk in all, MB"] = str(chroot.megabytes())
     enter_warnings("".join(texts), result)
+    result.figures["disk in all, MB"] = str(chroot.megabytes())
+    steps.run("./dev package", "cd dvi && ./dev package", timed=True)
     packages = WORK / system.name / "packages"
     shutil.rmtree(packages, ignore_errors=True)
     shutil.copytree(clone / "build/release/packages", packages)
