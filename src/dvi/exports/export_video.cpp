@@ -20,13 +20,17 @@ cv::Mat3b picture(const Result& result, std::size_t frame, bool beside) {
   return both;
 }
 
-// Writes the frames of a camera, which begin at `first`.
-void write_camera(const Result& result, std::size_t first, std::size_t count, const fs::path& file,
-                  const ExportOptions& options, Progress& progress) {
-  const cv::Size size = result.size(first);
-  media::VideoWriter video(file, {size.width * (options.beside ? 2 : 1), size.height}, options.video);
+// The video of a camera: `count` frames of the result from `first` on.
+struct CameraVideo {
+  std::size_t first = 0, count = 0;
+  fs::path file;
+};
+
+void write_video(const Result& result, const CameraVideo& of, const ExportOptions& options, Progress& progress) {
+  const cv::Size size = result.size(of.first);
+  media::VideoWriter video(of.file, {size.width * (options.beside ? 2 : 1), size.height}, options.video);
   make_and_use(
-      count, [&](std::size_t i) { return picture(result, first + i, options.beside); },
+      of.count, [&](std::size_t i) { return picture(result, of.first + i, options.beside); },
       [&](std::size_t, const cv::Mat3b& frame) {
         video.push(frame);
         progress.advance();
@@ -41,7 +45,7 @@ ExportReport write_videos(const Result& result, const fs::path& folder, const Ex
     const std::size_t count = result.count_frames(k);
     const fs::path file = join_frame_name(result.cameras().size() > 1 ? result.cameras()[k].name : "", "video.mp4");
     make_folder((folder / file).parent_path());
-    write_camera(result, first, count, folder / file, options, progress);
+    write_video(result, {first, count, folder / file}, options, progress);
     report.files.push_back(file);
     first += count;
   }
