@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -31,6 +32,10 @@ struct BoxMaskParams {
   float max_reach_px = 60;          ///< distance to a return of an object up to which its margin applies
   float max_ray_gap_px = 8;         ///< distance to a return behind the object, without which the background is not observed
   int gap_px = 2;                   ///< gaps between an object and its shadow
+  std::size_t max_masks = 100;      ///< that are looked at for fixed pixels
+  std::size_t min_masks = 5;        ///< of which pixels may be fixed
+  double fixed_share = 0.9;         ///< of masks that cover a fixed pixel
+  double min_extent_share = 0.6;    ///< of the sides of a box that its object reaches across; boxes may be dilated
 };
 constexpr BoxMaskParams kBoxMasks;
 
@@ -142,6 +147,29 @@ cv::Mat1b find_boxes_without_objects(const cv::Mat1b& part, const std::vector<cv
   return out;
 }
 
+// Returns the bounding box of the largest connected part of a mask.
+cv::Rect find_largest_part(const cv::Mat1b& mask) {
+  cv::Mat1i parts;
+  cv::Mat1i stats;
+  cv::Mat centers;
+  const int count = cv::connectedComponentsWithStats(mask, parts, stats, centers, 8, CV_32S);
+  int largest = 0;
+  for (int i = 1; i < count; ++i)
+    if (largest == 0 || stats(i, cv::CC_STAT_AREA) > stats(largest, cv::CC_STAT_AREA)) largest = i;
+  return largest == 0 ? cv::Rect() : box_of_part(stats, largest);
+}
+
+// Removes from the background the boxes whose object does not reach across them. A bounding box touches its object on all
+// sides: other rectangles, such as a banner or a mask of the ego vehicle, are removed as a whole.
+void keep_other_rectangles(const BoxPart& part, cv::Mat1b& background) {
+  const cv::Mat1b objects(part.mask & ~background);
+  for (const cv::Rect& box : part.boxes) {
+    const cv::Rect object = find_largest_part(objects(box));
+    if (object.width < kBoxMasks.min_extent_share * box.width || object.height < kBoxMasks.min_extent_share * box.height)
+      background(box).setTo(0);
+  }
+}
+
 }  // namespace
 
 std::vector<cv::Rect> split_into_boxes(const cv::Mat1b& part) {
@@ -181,13 +209,27 @@ std::vector<BoxPart> find_box_parts(const cv::Mat1b& mask) {
   return out;
 }
 
+cv::Mat1b find_fixed_pixels(const Lazy<cv::Mat1b>& masks) {
+  const std::size_t count = std::min(masks.size(), kBoxMasks.max_masks);
+  if (count < kBoxMasks.min_masks) return {};
+  cv::Mat1w covering;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto mask = masks[i * masks.size() / count];
+    if (covering.empty()) covering = cv::Mat1w(mask->size(), std::uint16_t{0});
+    cv::add(covering, cv::Scalar(1), covering, *mask);
+  }
+  return cv::Mat1b(covering >= kBoxMasks.fixed_share * static_cast<double>(count));
+}
+
 cv::Mat1b find_background(const BoxPart& part, const cv::Mat3b& image, const BoxSeeds& seeds) {
   const BoxSeeds within{seeds.object(part.area), seeds.background(part.area), seeds.margin_px(part.area),
                         seeds.ground(part.area)};
   if (cv::countNonZero(within.object & part.mask) < kBoxMasks.min_seeds) return {part.mask.size(), uchar{0}};
   const int margin_px = std::max(1, cvRound(kSilhouetteMarginShare * image.cols));
   const cv::Mat1b kept = find_boxes_without_objects(part.mask, part.boxes, within.object);
-  return cv::Mat1b(part.mask & ~kept & ~cut_out_objects(image(part.area).clone(), part.mask, within, margin_px));
+  cv::Mat1b out(part.mask & ~kept & ~cut_out_objects(image(part.area).clone(), part.mask, within, margin_px));
+  keep_other_rectangles(part, out);
+  return out;
 }
 
 }  // namespace dvi::objects

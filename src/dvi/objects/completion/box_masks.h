@@ -4,6 +4,8 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "dvi/core/lazy.h"
+
 namespace dvi::objects {
 
 /// Returns the axis-aligned rectangles that a connected part of a mask (255) consists of, as bounding boxes draw them; nothing
@@ -32,8 +34,13 @@ struct BoxPart {
 std::vector<BoxPart> find_box_parts(const cv::Mat1b& mask);
 
 /// Returns the pixels of a part that show the background: 255, in the area of the part. Objects are separated from it by
-/// GrabCut (Rother et al., 2004), which starts from the seeds, those of the whole image. Boxes without seeds of objects are
-/// objects as a whole.
+/// GrabCut (Rother et al., 2004), which starts from the seeds, those of the whole image. Boxes without seeds of objects, and
+/// those whose object does not reach across them, are objects as a whole.
 cv::Mat1b find_background(const BoxPart& part, const cv::Mat3b& image, const BoxSeeds& seeds);
+
+/// Returns the pixels that nearly all masks of a camera's frames cover (255): those of a banner or the ego vehicle, which are
+/// fixed in the image, or of an object that keeps its place there. Nothing shows that a bounding box covers background there.
+/// Looks at up to 100 masks. Returns no pixels of fewer than five masks.
+cv::Mat1b find_fixed_pixels(const Lazy<cv::Mat1b>& masks);
 
 }  // namespace dvi::objects

@@ -132,6 +132,29 @@ TEST(BoxMasks, RemainWhereABoxHasNoReturnsOfItsOwnObject) {
   EXPECT_GT(cv::countNonZero(background), 1000) << "the box of the disk is reduced";
 }
 
+TEST(BoxMasks, RemainIfTheirObjectDoesNotReachAcrossThem) {
+  for (const cv::Rect& other : {cv::Rect(60, 20, 140, 80), cv::Rect(5, 20, 135, 80)}) {
+    DiskInBox scene;
+    scene.mask.setTo(0);
+    scene.mask(other) = 255;  // a rectangle in which the disk is on one side
+    EXPECT_EQ(cv::countNonZero(find_background_in_boxes(scene, scene.seeds)), 0) << other;
+  }
+}
+
+TEST(BoxMasks, HaveFixedPixelsThatNearlyAllMasksCover) {
+  const auto fixed_of = [](std::size_t frames) {
+    return find_fixed_pixels({frames, [](std::size_t i) {
+                                cv::Mat1b mask = draw_boxes({{20, 80, 100, 30}});  // a banner
+                                if (i != 3) mask(cv::Rect(static_cast<int>(10 * i % 150), 10, 40, 40)) = 255;
+                                if (i == 5) mask.setTo(0);  // a frame without masks
+                                return mask;
+                              }});
+  };
+  EXPECT_EQ(cv::norm(fixed_of(30), draw_boxes({{20, 80, 100, 30}}), cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(fixed_of(1000), draw_boxes({{20, 80, 100, 30}}), cv::NORM_INF), 0);
+  EXPECT_TRUE(fixed_of(4).empty());
+}
+
 TEST(BoxMasks, KeepTheGroundBesideTheirObjects) {
   DiskInBox scene;
   for (int y = 84; y < 100; y += 4)

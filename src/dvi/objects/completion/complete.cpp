@@ -352,6 +352,7 @@ ObjectOutlines CompletedObjects::draw(const CameraMaskEvidence& evidence) const 
   const CameraEvidence& camera = evidence.camera;
   const std::size_t frames = camera.drive.frames.size();
   ObjectOutlines out{FrameLabels(frames), FrameLabels(frames), FrameLabels(frames)};
+  const cv::Mat1b fixed = refine_ ? find_fixed_pixels(evidence.masks) : cv::Mat1b();
   parallel_in_order(frames, [&](std::size_t i) {
     const std::optional<SE3> pose = camera.world_from_lidar.at(camera.drive.frames[i].time_ns);
     if (!pose) return;
@@ -359,7 +360,8 @@ ObjectOutlines CompletedObjects::draw(const CameraMaskEvidence& evidence) const 
     const auto mask = evidence.removed[i];
     for (const auto& [number, object] : objects_) drawing.draw(number, object, *mask, out);
     if (!refine_) return;
-    const cv::Mat1b background = drawing.find_covered_background(i, *evidence.masks[i], camera.world_from_lidar);
+    cv::Mat1b background = drawing.find_covered_background(i, *evidence.masks[i], camera.world_from_lidar);
+    if (!fixed.empty()) background.setTo(0, fixed);
     if (cv::countNonZero(background) == 0) return;
     out.background[i].emplace_back();
     out.background[i].back().instance = to_outline(background);
