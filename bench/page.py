@@ -101,7 +101,9 @@ The drives are synthetic streets with exact truth, and real drives into which `d
 
 [metrics.md](metrics.md) defines every figure. All methods are scored on the same pixels, and **copied**, **interpolated** and
 **synthesized** refer to the result of `dvi`: pixels copied from another frame, unobserved pixels that are interpolated from their
-surroundings, and unobserved pixels that get texture as well. Intervals are 95 %, by bootstrap over frames. `-` is undefined.
+surroundings, and unobserved pixels that get texture as well. With virtual traffic, the scored pixels are those of its masks, because
+the background of the real traffic, which is removed as well, is unknown. Intervals are 95 %, by bootstrap over frames. `-` is
+undefined.
 
 [benchmarks-reading.md](benchmarks-reading.md) discusses the results: where `dvi` is better, where it is worse, and why.
 """

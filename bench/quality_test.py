@@ -258,6 +258,7 @@ class FromEndToEnd(unittest.TestCase):
         self.assertEqual(pixels(correct, "dvi", "covered"), pixels(correct, "dvi", "all"))
         self.assertEqual(pixels(burst, "dvi", "all"), pixels(correct, "dvi", "all"))
         self.assertLess(pixels(burst, "dvi", "covered"), pixels(burst, "dvi", "all"))
+        self.assertEqual(outcome.evaluation(burst, "dvi")["all"]["pixels"], pixels(burst, "dvi", "all"))
         as_given = outcome.true_pixels(burst, "masks as given")["all"]
         self.assertLess(page.removed_share(as_given), 1)
         self.assertLess(as_given["all"]["psnr"], outcome.true_pixels(correct, "dvi")["all"]["all"]["psnr"])

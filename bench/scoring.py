@@ -180,9 +180,12 @@ class Scorer:
         return breaches(json.loads(done.stdout)) if done.stdout else refusal(done)
 
     def evaluate(self, case: Case, out: Path, *more: str) -> dict:
+        """Scores a result: on the virtual traffic if the case has some, because nothing is known of the background of the real
+        traffic, which dvi removes, too."""
         folder = self.folder(case)
         ignore = ("--ignore", case.ignore) if case.ignore else ()
-        return json.loads(self.call("eval", out, "--truth", case.truth, *ignore, "--json", *more, cwd=folder))
+        masks = ("--masks", case.true_masks) if case.true_masks and "--masks" not in more else ()
+        return json.loads(self.call("eval", out, "--truth", case.truth, *ignore, *masks, "--json", *more, cwd=folder))
 
     def given_masks(self, case: Case) -> Path:
         """The masks in the drive of a case with virtual traffic."""
