@@ -213,9 +213,9 @@ RecordedInput find_bag(const Result& result, const ExportOptions& options) {
 ExportReport write_bag(const Result& result, const fs::path& place, const ExportOptions& options, Progress& progress) {
   const RecordedInput input = find_bag(result, options);
   const RecordedBag recorded(input, result);
-  if (options.points) recorded.points();
+  if (options.points) recorded.points();  // throws before the scans are labeled, which takes long
   CleanMessages clean(result, recorded, options.points ? result.label_scans(progress) : LabeledScans{}, options.quality);
-  progress.begin("export bag", clean.size());
+  if (options.points) progress.begin("export bag", clean.size());
   const bool is_folder = fs::is_directory(input.path);
   ExportReport report;
   for (std::size_t file = 0; file < recorded.bag().files.size(); ++file) {

@@ -159,21 +159,20 @@ class CleanScans {
       const auto file = by_name.find(name);
       if (file == by_name.end())
         throw InputError(drive.path, fmt::format("has no scan {}, which the run read", name), kSameRecording);
-      numbers_[file->second] = files_.size();
-      files_.push_back(file->second);
+      by_file_[file->second] = by_name_.size();
+      by_name_.emplace(name, by_name_.size());
     }
   }
 
-  std::size_t size() const { return files_.size(); }
+  std::size_t size() const { return by_file_.size(); }
 
   // Returns the scan of a file: that of its points, or that of their labels, NAME.label.
   std::optional<std::size_t> find(const fs::path& file) const {
-    if (is_label(file)) {
-      const auto name = std::find(scans_.names.begin(), scans_.names.end(), file.stem().string());
-      return name == scans_.names.end() ? std::nullopt : std::optional<std::size_t>(name - scans_.names.begin());
-    }
-    const auto number = numbers_.find(file);
-    return number == numbers_.end() ? std::nullopt : std::optional(number->second);
+    const auto find_in = [](const auto& numbers, const auto& key) {
+      const auto number = numbers.find(key);
+      return number == numbers.end() ? std::nullopt : std::optional(number->second);
+    };
+    return is_label(file) ? find_in(by_name_, file.stem().string()) : find_in(by_file_, file);
   }
 
   // Writes a file of find() without the removed points, and returns their number, which is 0 for a file of labels.
@@ -188,8 +187,8 @@ class CleanScans {
   static bool is_label(const fs::path& file) { return file.extension() == ".label"; }
 
   LabeledScans scans_;
-  std::vector<fs::path> files_;
-  std::map<fs::path, std::size_t> numbers_;  // by file
+  std::map<fs::path, std::size_t> by_file_;     // numbers of the scans
+  std::map<std::string, std::size_t> by_name_;  // the same
 };
 
 // Writes the clean image of a frame, and returns whether it differs from the recorded one.
@@ -211,7 +210,7 @@ ExportReport write_folder(const Result& result, const fs::path& folder, const Ex
   const RecordingFiles files = list_files_of(drive, input, result.folder());
   if (options.points) require_scans(drive);
   const CleanScans scans(drive, options.points ? result.label_scans(progress) : LabeledScans{});
-  progress.begin("export folder", frames.size());
+  if (options.points) progress.begin("export folder", frames.size());
   std::vector<fs::path> others;
   const std::set<fs::path> replaced(frames.begin(), frames.end());
   for (const fs::path& file : files.list())
