@@ -151,7 +151,8 @@ void bind_commands(py::module_& m) {
   m.def("map", [](const std::string& drive, const std::string& out, const std::string& trajectory, const py::dict& options,
                   int threads, const py::object& progress) {
     const dvi::job::Job job = to_request(options).job(out, drive, {});
-    return run_task(threads, progress, [&](Progress& p) { return dvi::run::make_map(job, trajectory, p); });
+    const auto format = dvi::result::parse_trajectory_format(trajectory);
+    return run_task(threads, progress, [&](Progress& p) { return dvi::run::make_map(job, format, p); });
   });
   m.def("masks",
         [](const std::string& drive, const std::string& out, const py::dict& options, int threads, const py::object& progress) {

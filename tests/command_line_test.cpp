@@ -35,6 +35,7 @@ TEST_F(CommandLine, UsageErrorsHaveExitCode2) {
                                 "run drive",
                                 "run drive -o out --frames 3:",
                                 "run drive -o out --frames 9:1",
+                                "demo --frames a",
                                 "run drive -o out --set depth.nothing=1",
                                 "run drive -o out --set depth.median_px=99",
                                 "run drive -o out --set regularize.window=4",
@@ -73,7 +74,7 @@ TEST_F(CommandLine, AShortFormIsItsOptionInSetAndInAFile) {
   const OptionTable table = job.table();
   for (const Option& option : table.options()) {
     if (option.flag.empty()) continue;
-    const std::string value = option.choices.empty() ? "a=b" : option.choices.back();
+    const std::string value = !option.choices.empty() ? option.choices.back() : option.name() == "job.frames" ? "1:2" : "a=b";
     const bool list = std::holds_alternative<std::vector<std::string>>(option.get());
     const std::string toml = list ? "['" + value + "']" : "'" + value + "'";
     write_file(folder / "one.toml", fmt::format("[{}]\n{} = {}\n", option.section, option.key, toml));

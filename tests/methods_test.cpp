@@ -111,6 +111,10 @@ TEST_F(Methods, OnlyBaselinesRunWithoutPosesAndScans) {
   small_drive();
   fs::remove(folder / "drive/poses.txt");
   fs::remove_all(folder / "drive/lidar");
+  const Result check = dvi("check drive --quiet");
+  EXPECT_EQ(check.code, 3);
+  EXPECT_THAT(check.out, testing::AllOf(HasSubstr("unknown: no poses"), HasSubstr("--method flow, telea, and ns only need")));
+  EXPECT_EQ(dvi("check drive --method telea --quiet").code, 0) << "ready for a baseline";
   for (const char* command : {"run drive -o out --method paper", "map drive -o out --method telea", "forecast drive -o out"}) {
     const Result result = dvi(std::string(command) + " --quiet");
     EXPECT_EQ(result.code, 3) << command;

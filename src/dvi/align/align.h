@@ -81,6 +81,7 @@ struct Cameras {
 /// count_align_ticks() times.
 Cameras align(const Views& views, const map::VisibleMap& map, const AlignOptions& options, const Tick& tick = [] {});
 
+/// Returns how often align() calls its `tick`.
 std::size_t count_align_ticks(const Views& views, const AlignOptions& options);
 
 }  // namespace dvi::align

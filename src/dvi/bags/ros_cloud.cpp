@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "dvi/media/point_number.h"
 #include "dvi/media/point_times.h"
 
 namespace dvi::bags {
@@ -19,35 +19,25 @@ std::size_t count_bytes(std::uint8_t type) {
   return type < std::size(kBytes) ? kBytes[type] : 0;
 }
 
-template <class T>
-double load(const char* at, bool swap) {
-  char raw[sizeof(T)];
-  std::memcpy(raw, at, sizeof(T));
-  if (swap) std::reverse(raw, raw + sizeof(T));
-  T value;
-  std::memcpy(&value, raw, sizeof(T));
-  return static_cast<double>(value);
-}
-
 double load_field(const RosPointField& field, const char* point, bool swap) {
   const char* at = point + field.offset;
   switch (field.type) {
     case 1:
-      return load<std::int8_t>(at, swap);
+      return media::load_number<std::int8_t>(at, swap);
     case 2:
-      return load<std::uint8_t>(at, swap);
+      return media::load_number<std::uint8_t>(at, swap);
     case 3:
-      return load<std::int16_t>(at, swap);
+      return media::load_number<std::int16_t>(at, swap);
     case 4:
-      return load<std::uint16_t>(at, swap);
+      return media::load_number<std::uint16_t>(at, swap);
     case 5:
-      return load<std::int32_t>(at, swap);
+      return media::load_number<std::int32_t>(at, swap);
     case 6:
-      return load<std::uint32_t>(at, swap);
+      return media::load_number<std::uint32_t>(at, swap);
     case 7:
-      return load<float>(at, swap);
+      return media::load_number<float>(at, swap);
     default:
-      return load<double>(at, swap);
+      return media::load_number<double>(at, swap);
   }
 }
 
@@ -118,7 +108,7 @@ RosCloud parse_cloud(std::string_view message, BagEncoding encoding) {
       cloud.points.push_back(p);
       cloud.index.push_back(static_cast<std::uint32_t>(number));
       cloud.intensity.push_back(intensity ? static_cast<float>(load_field(*intensity, point, swap)) : 0.0F);
-      if (ring) cloud.ring.push_back(static_cast<std::uint16_t>(std::clamp(load_field(*ring, point, swap), 0.0, 65535.0)));
+      if (ring) cloud.ring.push_back(media::to_ring(load_field(*ring, point, swap)));
       if (time) cloud.times.push_back(when);
     }
   return cloud;

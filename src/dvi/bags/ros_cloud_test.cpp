@@ -13,9 +13,9 @@ using testing::ThrowsMessage;
 
 class RosClouds : public testing::TestWithParam<BagEncoding> {};
 
-// Makes a point of x, y, z and a time of one type.
+// Makes points of x, y, z and a field of one type.
 template <class T>
-std::vector<double> times_of(BagEncoding encoding, const char* name, std::uint8_t type, std::vector<T> times) {
+RosCloud cloud_of(BagEncoding encoding, const char* name, std::uint8_t type, std::vector<T> times) {
   MessageBytes bytes(encoding);
   std::string data;
   for (const T time : times) {
@@ -28,9 +28,18 @@ std::vector<double> times_of(BagEncoding encoding, const char* name, std::uint8_
     bytes.add_text(std::string(1, "xyz"[axis])).add(4 * axis).add<std::uint8_t>(7).add<std::uint32_t>(1);
   bytes.add_text(name).add<std::uint32_t>(12).add(type).add<std::uint32_t>(1);
   bytes.add<std::uint8_t>(0).add(step).add(step * count).add_data(data).add<std::uint8_t>(1);
-  const RosCloud cloud = parse_cloud(bytes.text(), encoding);
+  return parse_cloud(bytes.text(), encoding);
+}
+
+template <class T>
+std::vector<double> times_of(BagEncoding encoding, const char* name, std::uint8_t type, std::vector<T> times) {
+  const RosCloud cloud = cloud_of(encoding, name, type, std::move(times));
   EXPECT_EQ(cloud.time_field, cloud.times.empty() ? "" : name);
   return cloud.times;
+}
+
+TEST_P(RosClouds, LimitTheNumbersOfBeams) {
+  EXPECT_THAT((cloud_of<float>(GetParam(), "ring", 7, {NAN, -1, 3, 1e9F}).ring), ElementsAre(0, 0, 3, 65535));
 }
 
 TEST_P(RosClouds, ReadTheTimesOfPoints) {

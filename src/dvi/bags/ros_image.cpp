@@ -64,6 +64,9 @@ const ImageEncoding& find_encoding(const RosImage& image) {
     throw std::invalid_argument(fmt::format(
         "its encoding '{}' is not supported; rgb, bgr, rgba, bgra, mono and bayer of 8 or 16 bits, uyvy, and yuyv are",
         image.encoding));
+  if (encoding->second.type == CV_8UC2 && image.width % 2 != 0)
+    throw std::invalid_argument(
+        fmt::format("a width of {} is not possible with {}, which has pairs of pixels", image.width, image.encoding));
   return encoding->second;
 }
 

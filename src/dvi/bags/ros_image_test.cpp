@@ -73,6 +73,9 @@ TEST_P(RosImages, RoundUsedBitsUpToThoseOfCameras) {
 TEST_P(RosImages, RefuseOtherEncodings) {
   EXPECT_THAT([&] { to_bgr(parse_image(message("nv12", 1, "  "), GetParam())); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("'nv12' is not supported")));
+  for (const char* encoding : {"uyvy", "yuyv"})
+    EXPECT_THAT([&] { to_bgr(parse_image(message(encoding, 2, "  "), GetParam())); },
+                ThrowsMessage<std::invalid_argument>(HasSubstr("a width of 1 is not possible")));
 }
 
 TEST_P(RosImages, RefuseCompressedFilesOfOtherFormats) {

@@ -1,9 +1,11 @@
 #include "dvi/cli/command.h"
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <new>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -106,8 +108,9 @@ std::string explain(const CLI::App& program, const CLI::ParseError& error) {
     if (const std::optional<std::string> unknown = unknown_option(in)) return *unknown;
   const Understood& last = commands.back();
   const std::vector<std::string> choices = commands_of(*last.command);
-  if (choices.empty()) return fmt::format("{}\n{}", error.what(), last.see_help());
   const std::vector<std::string> rest = last.command->remaining();
+  if (choices.empty() && rest.empty()) return fmt::format("{}\n{}", error.what(), last.see_help());
+  if (choices.empty()) return fmt::format("{}: '{}' is one argument too many\n{}", last.words, rest.front(), last.see_help());
   if (rest.empty()) return fmt::format("a command is missing: dvi {}\n\n{}", last.behind("COMMAND"), program.help());
   const std::string meant = nearest_word(rest.front(), choices);
   return fmt::format("there is no command '{}'{}\n{}", last.behind(rest.front()),
@@ -139,8 +142,13 @@ void Command::option(const std::string& names, std::string& field, const std::st
 void Command::option(const std::string& names, std::vector<std::string>& field, const std::string& doc) {
   impl_->app->add_option(names, field, doc)->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
-void Command::option(const std::string& names, int& field, const std::string& doc) {
-  impl_->app->add_option(names, field, doc);
+void Command::option(const std::string& names, int& field, const std::string& doc, int least) {
+  impl_->app->add_option(names, field, doc)->check([least](const std::string& text) -> std::string {
+    int value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size()) return fmt::format("'{}' is not a whole number", text);
+    return value < least ? fmt::format("{} is less than {}", value, least) : "";
+  });
 }
 void Command::flag(const std::string& names, bool& field, const std::string& doc) { impl_->app->add_flag(names, field, doc); }
 void Command::options(const OptionTable& table, std::vector<Assignment>& given, const std::vector<std::string>& names) {
@@ -209,6 +217,7 @@ void Program::group(const std::string& heading) { impl_->group = heading; }
 
 Command Program::command(const std::string& name, const std::string& summary) {
   CLI::App* const command = impl_->app.add_subcommand(name, summary)->group(impl_->group);
+  command->footer("");  // by default, CLI11 repeats the footer of the program
   return Command(std::make_unique<Command::Impl>(Command::Impl{command}));
 }
 
@@ -248,7 +257,7 @@ int Program::main(int argc, char** argv) {
 }
 
 void Common::add_to(Command& command, bool with_json, bool with_seed) {
-  command.option("--threads", threads, "Threads to use; 0: all cores");
+  command.option("--threads", threads, "Threads to use; 0: all cores", 0);
   if (with_seed) command.option("--seed", seed, "Random seed of streets and virtual traffic; filling uses none");
   command.flag("--quiet", quiet, "No progress, no warnings");
   command.flag("--json-log", json_log, "Progress and warnings as JSON lines on stderr");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -26,7 +27,8 @@ class Command {
   void positional(const std::string& name, int& field, const std::string& doc);
   void option(const std::string& names, std::string& field, const std::string& doc, bool required = false);
   void option(const std::string& names, std::vector<std::string>& field, const std::string& doc);
-  void option(const std::string& names, int& field, const std::string& doc);
+  /// The least value is -2147483648 unless `least` is given.
+  void option(const std::string& names, int& field, const std::string& doc, int least = std::numeric_limits<int>::min());
   void flag(const std::string& names, bool& field, const std::string& doc);
   /// Adds the options of the table that have a flag, or those of them that `names` lists (section.key). The values that the
   /// command line assigns to them are appended to `given`.

@@ -132,6 +132,7 @@ TEST(Program, HelpGroupsCommandsAndEndsInExamples) {
   program.command("check", "Looks");
   EXPECT_THAT(call(program, {"--help"}).out, testing::ContainsRegex("Clean:\n +run .*\n\nLook:\n +check "));
   EXPECT_THAT(call(program, {"run", "--help"}).out, HasSubstr("Examples:\n  dvi run DRIVE\n  dvi run OTHER"));
+  EXPECT_THAT(call(program, {"check", "--help"}).out, testing::Not(HasSubstr("Examples"))) << "of other commands";
 }
 
 TEST(Program, CompletionOffersWhatMayFollow) {
@@ -208,6 +209,25 @@ TEST(Command, FillsItsFieldsAndLeavesTheOthers) {
   EXPECT_EQ(threads, 7);
   EXPECT_TRUE(quiet);
   EXPECT_FALSE(json);
+}
+
+TEST(Command, NumbersAndArgumentsAreChecked) {
+  const auto error = [](const std::vector<std::string>& words) {
+    Program program;
+    std::string drive;
+    int threads = 0;
+    Command command = program.command("work", "For tests");
+    command.positional("DRIVE", drive, "");
+    command.option("--threads", threads, "", 0);
+    command.run([] {});
+    const Outcome outcome = call(program, words);
+    EXPECT_EQ(outcome.code, words.size() > 2 ? 2 : 0);
+    return outcome.err;
+  };
+  EXPECT_EQ(error({"work", "a"}), "");
+  EXPECT_THAT(error({"work", "a", "--threads", "two"}), HasSubstr("--threads: 'two' is not a whole number"));
+  EXPECT_THAT(error({"work", "a", "--threads", "-5"}), HasSubstr("--threads: -5 is less than 0"));
+  EXPECT_THAT(error({"work", "a", "b"}), HasSubstr("work: 'b' is one argument too many"));
 }
 
 TEST(Command, RequiredOptionsAreAskedFor) {

@@ -46,8 +46,9 @@ void add_export(Program& program) {
                     "dvi export folder OUT -o clean               the recorded folder with clean images",
                     "dvi export holes OUT -o holes                for an inpainting program, then dvi import-fill OUT FRAMES"});
   command.run([a] {
-    for (const Assignment& assignment : a->given) a->table.assign(assignment);
     const exports::ExportFormat& format = exports::find_export_format(a->format);
+    exports::require_used(a->given, a->table, format);
+    for (const Assignment& assignment : a->given) a->table.assign(assignment);
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
     const exports::ExportReport report = exports::export_result(

@@ -1,6 +1,8 @@
 #include "dvi/run/make_map.h"
 
 #include <memory>
+#include <optional>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -25,9 +27,10 @@ void add_map(Program& program) {
   a->options.add_to(command);
   a->common.add_to(command, true);
   command.run([a] {
+    const std::optional<result::TrajectoryFormat> trajectory = result::parse_trajectory_format(a->trajectory);
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    const std::string report = run::make_map(a->options.job(a->out, a->drive, {}), a->trajectory, progress);
+    const std::string report = run::make_map(a->options.job(a->out, a->drive, {}), trajectory, progress);
     progress.end();
     if (a->common.json)
       fmt::print("{}\n", report);

@@ -78,7 +78,8 @@ std::map<std::string, std::size_t> count_tracks_by_class(const inputs::Recording
   return out;
 }
 
-CheckReport make_report(const inputs::Recording& open, const inputs::PoseChoice& choice, const objects::Masks& masks) {
+CheckReport make_report(const inputs::Recording& open, const inputs::PoseChoice& choice, const objects::Masks& masks,
+                        job::Method method) {
   const Drive& drive = open.drive;
   const Contents found = measure_contents(drive, masks.front().images);
   const Trajectory& poses = inputs::trajectory_of(drive, choice);
@@ -108,11 +109,14 @@ CheckReport make_report(const inputs::Recording& open, const inputs::PoseChoice&
   for (const Frame& frame : drive.frames) out.frames_with_pose += poses.at(frame.time_ns) ? 1 : 0;
   out.warnings.insert(out.warnings.end(), choice.warnings.begin(), choice.warnings.end());
   if (poses.empty()) out.warnings.emplace_back("no poses: give --poses FILE");
-  if (!drive.has_geometry()) out.warnings.emplace_back("no scans and no map: nothing can be copied");
+  if (!drive.has_geometry())
+    out.warnings.emplace_back(
+        "no scans and no map: nothing can be copied; --method flow, telea, and ns only need images and masks");
   if (open.masks_from.empty() && drive.scan_headers.empty())
     out.warnings.emplace_back("neither masks, labels, nor scans show the objects to remove: give --masks DIR or --masks FILE");
   if (!drive.map.empty()) out.map_points = drive.map[0]->points.size();
-  out.ready = out.frames_with_pose > 0 && drive.has_geometry() && (!open.masks_from.empty() || !drive.scan_headers.empty());
+  const bool has_geometry = out.frames_with_pose > 0 && drive.has_geometry();
+  out.ready = (has_geometry || job::is_baseline(method)) && (!open.masks_from.empty() || !drive.scan_headers.empty());
   return out;
 }
 
@@ -163,10 +167,11 @@ nlohmann::json topics_json(const std::vector<RecordedTopic>& topics) {
 std::string CheckReport::brief() const {
   std::string text = fmt::format(
       "{}\n  format   {}\n  camera   {} ({}x{}, {}fx {:.1f})\n  frames   {} ({}:{}), {:.1f} Hz, {} with pose\n"
-      "{}  path     {:.1f} m, by {} poses\n"
+      "{}  path     {}\n"
       "  masks    {}\n",
       path, format, camera_name, camera.width, camera.height, camera.is_wide() ? to_string(camera.model) + ", " : "", camera.fx,
-      frames, first_frame, last_frame, frame_rate_hz, frames_with_pose, describe_geometry(*this), path_m, poses_from,
+      frames, first_frame, last_frame, frame_rate_hz, frames_with_pose, describe_geometry(*this),
+      frames_with_pose > 0 ? fmt::format("{:.1f} m, by {} poses", path_m, poses_from) : "unknown: no poses",
       describe_masks(*this));
   if (place)
     text += fmt::format("  gps      {} fixes, half of them within {:.2f} m of the path\n", place->fixes, place->residual_m);
@@ -236,7 +241,7 @@ CheckReport check(const job::Job& given, bool with_coverage, Progress& progress)
   const inputs::Poses poses = posed ? inputs::transform_to_target_world(drives, {choice}) : inputs::use_given_poses(drives);
   const std::size_t known = progress.warnings().size();
   const objects::Masks masks = inputs::find_masks(drives, poses, job, progress);
-  CheckReport report = make_report(drives.front(), choice, masks);
+  CheckReport report = make_report(drives.front(), choice, masks, job.method);
   report.finds_moving = !drive.scan_headers.empty() && adds_moving_objects(drives.front().masks_from, job.read.masks);
   const auto removed = objects::list_removed_objects(inputs::evidence_of(drives.front(), poses.front().world_from_lidar),
                                                      masks.front().objects, job.options.masks);

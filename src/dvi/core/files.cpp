@@ -53,6 +53,14 @@ void sync_file(const fs::path& path) {
   if (!synced) throw InputError(path, "cannot be written (" + why + ")", "free space or choose another folder");
 }
 
+// Writes the file `part`, which will be renamed to `path`.
+void write_closed(const fs::path& path, const fs::path& part, const std::function<void(std::ostream&)>& write) {
+  std::ofstream out(part, std::ios::binary);
+  if (out) write(out);
+  out.close();
+  if (!out) throw InputError(path, "cannot be written (" + describe_errno() + ")", "free space or choose another folder");
+}
+
 }  // namespace
 
 fs::path temporary_beside(const fs::path& path) {
@@ -81,9 +89,11 @@ std::string read_file(const fs::path& path, std::uintmax_t most) {
   require_regular_file(path, most);
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(path, "cannot be read (" + describe_errno() + ")");
-  std::ostringstream bytes;
-  bytes << in.rdbuf();
-  return std::move(bytes).str();
+  std::string bytes(fs::file_size(path), '\0');
+  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (in.bad()) throw InputError(path, "cannot be read (" + describe_errno() + ")");
+  bytes.resize(static_cast<std::size_t>(in.gcount()));
+  return bytes;
 }
 
 fs::path find_own_binary() {
@@ -146,12 +156,13 @@ void write_beside(const fs::path& path, const std::function<void(const fs::path&
 
 void write_file(const fs::path& path, const std::string& bytes) {
   write_beside(path, [&](const fs::path& part) {
-    std::ofstream out(part, std::ios::binary);
-    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    out.close();
-    if (!out) throw InputError(path, "cannot be written (" + describe_errno() + ")", "free space or choose another folder");
+    write_closed(path, part, [&](std::ostream& out) { out.write(bytes.data(), static_cast<std::streamsize>(bytes.size())); });
     sync_file(part);
   });
+}
+
+void write_stream(const fs::path& path, const std::function<void(std::ostream&)>& write) {
+  write_beside(path, [&](const fs::path& part) { write_closed(path, part, write); });
 }
 
 void make_folder(const fs::path& path) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <iosfwd>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,9 @@ void write_file(const fs::path& path, const std::string& bytes);
 
 /// Does the same for a file that `write` makes at the given temporary path, which has the extension of `path`.
 void write_beside(const fs::path& path, const std::function<void(const fs::path&)>& write);
+
+/// Does the same for a file that `write` writes to a stream. Throws InputError if a part of it could not be written.
+void write_stream(const fs::path& path, const std::function<void(std::ostream&)>& write);
 
 /// Creates a folder and its parents. Throws InputError if that fails.
 void make_folder(const fs::path& path);

@@ -5,6 +5,8 @@
 
 #include <csignal>
 #include <fstream>
+#include <functional>
+#include <ostream>
 #include <stdexcept>
 #include <string>
 
@@ -144,19 +146,23 @@ TEST_F(Files, ReportsAWriterThatMakesNoFile) {
 
 TEST_F(Files, ReportsAFullDiskAndLeavesNoFile) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
-  const auto write_without_room = [&] {
+  const auto write_without_room = [&](const std::function<void(const fs::path&, const std::string&)>& write) {
     std::signal(SIGXFSZ, SIG_IGN);
     const rlimit small{4096, RLIM_INFINITY};
     setrlimit(RLIMIT_FSIZE, &small);
     bool refused = false;
     try {
-      write_file(folder / "x.bin", std::string(1 << 20, 'x'));
+      write(folder / "x.bin", std::string(1 << 20, 'x'));
     } catch (const InputError& e) {
       refused = std::string(e.what()).find((folder / "x.bin").string()) == 0;
     }
     std::_Exit(refused ? 0 : 1);
   };
-  EXPECT_EXIT(write_without_room(), testing::ExitedWithCode(0), "");
+  EXPECT_EXIT(write_without_room(write_file), testing::ExitedWithCode(0), "");
+  const auto write_in_parts = [](const fs::path& path, const std::string& bytes) {
+    write_stream(path, [&](std::ostream& out) { out << bytes << bytes; });
+  };
+  EXPECT_EXIT(write_without_room(write_in_parts), testing::ExitedWithCode(0), "");
   EXPECT_THAT(names(), IsEmpty());
 }
 

@@ -162,10 +162,11 @@ int TextLine::integer(std::size_t i) const {
 std::int64_t TextLine::nanoseconds(std::size_t i) const {
   if (const auto value = to_nanoseconds(word(i))) return *value;
   constexpr std::size_t kNanosecondDigits = 19;  // digits of a time since 1970
-  const bool counts_ns = is_all_digits(word(i)) && word(i).size() == kNanosecondDigits;
+  std::optional<std::int64_t> counted_ns;
+  if (is_all_digits(word(i)) && word(i).size() == kNanosecondDigits) counted_ns = parse_whole<std::int64_t>(word(i));
   fail("'" + word(i) + "' is not a time in seconds",
-       counts_ns ? "it is in nanoseconds; write seconds, such as " + to_seconds(*parse_whole<std::int64_t>(word(i)))
-                 : "a time is a number such as 1534313591.432032 or 1.036224e-01");
+       counted_ns ? "it is in nanoseconds; write seconds, such as " + to_seconds(*counted_ns)
+                  : "a time is a number such as 1534313591.432032 or 1.036224e-01");
 }
 
 void TextLine::fail(const std::string& problem, const std::string& remedy) const {

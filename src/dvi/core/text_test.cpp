@@ -80,6 +80,8 @@ TEST(Text, ReportsFileAndLineOfErrors) {
   const auto counted = read_text_lines(folder.write("times.txt", "1534313591432032000\n"));
   EXPECT_THAT(input_error([&] { counted[0].nanoseconds(0); }),
               HasSubstr("in nanoseconds; write seconds, such as 1534313591.432"));
+  const auto large = read_text_lines(folder.write("times.txt", "9999999999999999999\n"));
+  EXPECT_THAT(input_error([&] { large[0].nanoseconds(0); }), HasSubstr("a time is a number such as"));
 }
 
 TEST(Text, RefusesVeryLongLines) {

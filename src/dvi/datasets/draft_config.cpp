@@ -121,7 +121,7 @@ DraftConfig draft_config(const fs::path& given) {
   if (cameras.empty()) {
     for (const fs::path& camera : list_folders(folder / "images"))
       if (describe_unread_images(camera)) fail_without_images(camera, "holds no images in a supported format", {});
-    throw InputError(folder / "images", "holds no folder with images", describe_image_remedy(folder));
+    throw InputError(folder, "has no folder images/CAMERA with images", describe_image_remedy(folder));
   }
   const std::vector<fs::path> scans = list_files(folder / "lidar", kScanEndings);
   const bool depth = scans.empty() && !list_folders(folder / "depth").empty();

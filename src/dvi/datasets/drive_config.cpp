@@ -44,7 +44,8 @@ class Table {
       : file_(file), name_(std::move(name)), table_(&table) {
     for (const auto& [key, node] : table)
       if (std::find(keys.begin(), keys.end(), key.str()) == keys.end())
-        fail(node, fmt::format("[{}] has no key '{}'", name_, key.str()), fmt::format("it has {}", fmt::join(keys, ", ")));
+        fail(node, fmt::format("{} has no key '{}'", name_.empty() ? "the file" : "[" + name_ + "]", key.str()),
+             fmt::format("it has {}", fmt::join(keys, ", ")));
   }
 
   std::optional<double> number(const char* key) const {
@@ -92,6 +93,8 @@ class Table {
     return node->as_string()->get();
   }
   bool has(const char* key) const { return table_->contains(key); }
+  /// Returns the key of the camera model, which has two names.
+  const char* model_key() const { return has("model") ? "model" : "distortion_model"; }
   /// Returns a list of numbers; an empty list if there is none.
   std::vector<double> list(const char* key) const {
     const toml::node* node = table_->get(key);
@@ -189,10 +192,7 @@ std::optional<Lens> read_lens(const Table& table) {
     table.fail("distortion", problem, "undistort the images first if the camera has another model");
   if (xi && known != CameraModel::unified) table.fail("xi", "is given, but the model is not \"unified\"");
   if (known == CameraModel::unified && !(xi && *xi >= 0 && *xi <= kMaxXi))
-    table.fail(xi                   ? "xi"
-               : table.has("model") ? "model"
-                                    : "distortion_model",
-               "needs xi, between 0 and 10", "copy xi of the calibration, such as xi = 2.2");
+    table.fail(xi ? "xi" : table.model_key(), "needs xi, between 0 and 10", "copy xi of the calibration, such as xi = 2.2");
   if (!model && !table.has("distortion")) return std::nullopt;
   return make_lens(known, coefficients, xi.value_or(0));
 }
@@ -203,7 +203,8 @@ std::optional<std::array<double, 9>> read_camera_matrix(const Table& table, cons
   const auto K = read_intrinsics(table);
   if (K || !lens || lens->model != CameraModel::equirectangular) return K;
   if (!size || size->width != 2 * size->height)
-    table.fail("model", "needs K (pixels per radian), unless size is [width, height] of a panorama of the whole sphere",
+    table.fail(table.model_key(),
+               "needs K (pixels per radian), unless size is [width, height] of a panorama of the whole sphere",
                "a panorama of the whole sphere is twice as wide as high");
   const double f = size->width / (2 * std::numbers::pi);
   return std::array<double, 9>{f, 0, 0.5 * (size->width - 1), 0, f, 0.5 * (size->height - 1), 0, 0, 1};
@@ -225,7 +226,7 @@ std::optional<double> read_units(const Table& table) {
 DepthConfig read_depth(const Table& table) {
   DepthConfig depth{read_intrinsics(table), read_lens(table), read_rigid(table, "depth_from_color"), read_units(table)};
   if (depth.lens && depth.lens->model != CameraModel::pinhole)
-    table.fail(table.has("model") ? "model" : "distortion_model", "is not pinhole, but depth images are of pinhole cameras");
+    table.fail(table.model_key(), "is not pinhole, but depth images are of pinhole cameras");
   if (table.has("distortion") && !depth.K)
     table.fail("distortion", "needs K, because it means that the depth images have their own camera");
   return depth;
@@ -257,9 +258,13 @@ LidarConfig read_lidar(const Table& table) {
   return lidar;
 }
 
-const toml::table& to_table(const toml::node* node) {
+// Returns the table of a key, which is empty if the key is missing.
+const toml::table& to_table(const fs::path& file, const toml::node* node, const std::string& name) {
   static const toml::table none;
-  return node && node->is_table() ? *node->as_table() : none;
+  if (node && !node->is_table())
+    throw InputError(fmt::format("{}:{}", file.string(), node->source().begin.line), fmt::format("'{}' is not a table", name),
+                     fmt::format("write [{}]", name));
+  return node ? *node->as_table() : none;
 }
 
 }  // namespace
@@ -270,22 +275,22 @@ std::optional<DriveConfig> read_drive_config(const fs::path& drive) {
   if (!fs::exists(config.file)) return std::nullopt;
   const toml::table root = read_toml(config.file);
   const Table whole(config.file, "", root, {"drive", "camera", "lidar", "depth"});
-  const Table head(config.file, "drive", to_table(root.get("drive")), {"version", "camera"});
+  const Table head(config.file, "drive", to_table(config.file, root.get("drive"), "drive"), {"version", "camera"});
   if (const auto version = head.number("version"); version && *version != kVersion)
     head.fail("version", fmt::format("is {}, but this program reads version {}", *version, kVersion));
-  for (const auto& [name, node] : to_table(root.get("camera"))) {
+  for (const auto& [name, node] : to_table(config.file, root.get("camera"), "camera")) {
     require_plain_name(std::string(name.str()), config.file, "a camera");
-    config.cameras[std::string(name.str())] =
-        read_camera(Table(config.file, fmt::format("camera.{}", name.str()), to_table(&node),
-                          {"size", "K", "distortion", "model", "distortion_model", "xi", "camera_from_lidar", "offset_s"}));
+    config.cameras[std::string(name.str())] = read_camera(Table(
+        config.file, fmt::format("camera.{}", name.str()), to_table(config.file, &node, fmt::format("camera.{}", name.str())),
+        {"size", "K", "distortion", "model", "distortion_model", "xi", "camera_from_lidar", "offset_s"}));
   }
   std::vector<std::string> names;
   for (const auto& [name, camera] : config.cameras) names.push_back(name);
   if (const auto place = head.choice("camera", names)) config.usual_camera = names[*place];
   config.lidar = read_lidar(
-      Table(config.file, "lidar", to_table(root.get("lidar")),
+      Table(config.file, "lidar", to_table(config.file, root.get("lidar"), "lidar"),
             {"rate", "sensor", "beams", "stamp", "rotation", "first_azimuth_deg", "offset_s", "columns", "units_per_meter"}));
-  config.depth = read_depth(Table(config.file, "depth", to_table(root.get("depth")),
+  config.depth = read_depth(Table(config.file, "depth", to_table(config.file, root.get("depth"), "depth"),
                                   {"K", "distortion", "model", "distortion_model", "depth_from_color", "units_per_meter"}));
   return config;
 }

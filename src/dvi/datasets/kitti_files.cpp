@@ -1,5 +1,6 @@
 #include "dvi/datasets/kitti_files.h"
 
+#include <cstdint>
 #include <optional>
 #include <utility>
 
@@ -20,8 +21,8 @@ NumberedFiles list_numbered_files(const fs::path& folder, const std::vector<std:
 
 std::vector<int> find_numbers_without(const Drive& drive, const NumberedFiles& files) {
   std::vector<int> missing;
-  for (int number = drive.frames.front().number; number <= drive.frames.back().number; ++number)
-    if (!files.contains(number)) missing.push_back(number);
+  for (std::int64_t number = drive.frames.front().number; number <= drive.frames.back().number; ++number)
+    if (!files.contains(static_cast<int>(number))) missing.push_back(static_cast<int>(number));
   return missing;
 }
 

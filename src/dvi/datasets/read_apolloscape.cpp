@@ -142,6 +142,8 @@ Scan read_scan(const ScanHeader& header) {
   scan.points = std::move(cloud.points);
   scan.intensity = std::move(cloud.intensity);
   scan.ring = std::move(cloud.ring);
+  scan.file_points = cloud.file_points;
+  scan.file_index = std::move(cloud.file_index);
   return scan;
 }
 

@@ -56,6 +56,16 @@ TEST_F(Apolloscape, ConvertsScansToTheAxesOfDvi) {
   EXPECT_NEAR(ahead.y(), 342, 60);
 }
 
+TEST_F(Apolloscape, StatesThePlacesOfReturnsInTheFile) {
+  folder.write("lidar_bg/bg_100.200000.pcd.ply",
+               "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float "
+               "intensity\nend_header\n0 -7 1 3\n0 0 0 0\n0.01 -7 1 3\n");
+  const auto scan = read_drive(folder.path).scans[0];
+  EXPECT_EQ(scan->points.size(), 2U);
+  EXPECT_EQ(scan->file_points, 3U);
+  EXPECT_THAT(scan->file_index, testing::ElementsAre(0, 2));
+}
+
 TEST_F(Apolloscape, HasPosesAtTheStartOfTheFirstScanAndTheEndOfEach) {
   const Drive drive = read_drive(folder.path);
   ASSERT_EQ(drive.poses.poses().size(), 4U);

@@ -225,9 +225,10 @@ std::vector<Gap> find_gaps(Drive& drive, std::int64_t period) {
 
 DriveConfig read_config(const fs::path& path) {
   const auto config = read_drive_config(path);
-  if (!config) throw InputError(path / "dvi.toml", "is missing", "copy the example in docs/formats.md");
+  if (!config) throw InputError(path / "dvi.toml", "is missing", "dvi init " + path.string() + " writes one to fill in");
   if (config->cameras.empty())
-    throw InputError(config->file, "has no table [camera.NAME]", "copy the example in docs/formats.md");
+    throw InputError(config->file, "has no table [camera.NAME]",
+                     "rename the file, and dvi init " + path.string() + " writes one to fill in");
   return *config;
 }
 

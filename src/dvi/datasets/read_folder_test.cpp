@@ -150,7 +150,9 @@ TEST_F(Folder, RefusesSettingsThatAreMissingOrMalformed) {
   for (const char* text : {"[.front]\n", "[=]\n", "[[#\n", "[\x19]\n", "[", "K = ["})  // the library asserts a key here
     EXPECT_THAT(with(text), HasSubstr("dvi.toml")) << text;
   EXPECT_THAT(with("[drive]\nversion = 7\n"), HasSubstr("dvi.toml:2: 'version' is 7"));
-  EXPECT_THAT(with("[cammera.front]\n"), HasSubstr("no key 'cammera'"));
+  EXPECT_THAT(with("[cammera.front]\n"), HasSubstr("the file has no key 'cammera'"));
+  EXPECT_THAT(with("lidar = 10\n"), AllOf(HasSubstr("dvi.toml:1: 'lidar' is not a table"), HasSubstr("[lidar]")));
+  EXPECT_THAT(with("camera = \"front\"\n"), HasSubstr("'camera' is not a table"));
   EXPECT_THAT(with("[camera.front]\nk = []\n"), AllOf(HasSubstr("no key 'k'"), HasSubstr("it has size, K")));
   EXPECT_THAT(with("[camera.front]\nK = [1, 2]\n"), HasSubstr("'K' is not a list of 9 numbers"));
   EXPECT_THAT(with("[camera.front]\nsize = [8, 6]\n"), HasSubstr("[camera.front] has no K"));
@@ -168,7 +170,7 @@ TEST_F(Folder, RefusesSettingsThatAreMissingOrMalformed) {
   EXPECT_THAT(with("[camera.rear]\n"), HasSubstr("no images of a camera that dvi.toml names"));
   EXPECT_THAT(with("[lidar]\nrate = 10\n"), HasSubstr("no table [camera.NAME]"));
   fs::remove(folder.path / "dvi.toml");
-  EXPECT_THAT(error(), HasSubstr("dvi.toml: is missing"));
+  EXPECT_THAT(error(), AllOf(HasSubstr("dvi.toml: is missing"), HasSubstr("dvi init")));
 }
 
 TEST_F(Folder, ReadsCameraModels) {
@@ -197,6 +199,8 @@ TEST_F(Folder, DerivesTheMatrixOfAWholePanorama) {
   EXPECT_THAT(error(), AllOf(HasSubstr("'model' needs K"), HasSubstr("twice as wide as high")));
   with("size = [8, 6]\n");
   EXPECT_THAT(error(), HasSubstr("'model' needs K"));
+  folder.write("dvi.toml", "[camera.front]\ndistortion_model = \"equirectangular\"\n");
+  EXPECT_THAT(error(), HasSubstr("dvi.toml:2: 'distortion_model' needs K"));
 }
 
 TEST_F(Folder, RefusesOtherModelsOfDistortion) {

@@ -148,8 +148,8 @@ class BoxReader {
                      : object.child("end_frame") ? integer(object, "end_frame")
                                                  : std::numeric_limits<int>::max();
     // All boxes of a moving object have the same instance; each parked object has a box of its own.
-    out.track = moves && object.child("instanceId") ? integer(object, "instanceId") : 1'000'000 + integer(object, "index");
-    if (moves && object.child("dynamicSeq")) out.track = 500'000 + integer(object, "dynamicSeq");
+    out.track = moves && object.child("instanceId") ? integer(object, "instanceId") : track(1'000'000, object, "index");
+    if (moves && object.child("dynamicSeq")) out.track = track(500'000, object, "dynamicSeq");
     out.box = box(object);
     return out;
   }
@@ -185,6 +185,13 @@ class BoxReader {
   int integer(const pugi::xml_node& object, const char* name) {
     if (const auto value = to_integer(object.child_value(name))) return *value;
     fail(object, fmt::format("has no whole number '{}'", name));
+  }
+  // Returns the number of an object in a range of its own, which begins at `first`.
+  int track(int first, const pugi::xml_node& object, const char* name) {
+    const int number = integer(object, name);
+    if (number < 0 || number > std::numeric_limits<int>::max() - first)
+      fail(object, fmt::format("has the {} {}, which is not the number of an object", name, number));
+    return first + number;
   }
   std::vector<double> matrix(const pugi::xml_node& object, const char* name) {
     std::vector<double> numbers;

@@ -83,6 +83,13 @@ SE3 parse_rigid(const json& row) {
   return {rotation.normalized().toRotationMatrix(), {t[0], t[1], t[2]}};
 }
 
+std::int64_t read_time_ns(const json& row) {
+  const auto time_us = row.at("timestamp").get<std::int64_t>();
+  if (time_us < 0 || time_us > kLatestSecond * 1'000'000)
+    throw std::invalid_argument(fmt::format("the timestamp {} is not a time in microseconds", time_us));
+  return time_us * kNsPerMicrosecond;
+}
+
 // One image or scan.
 struct SensorData {
   std::string file, ego_pose, calibration;
@@ -108,8 +115,7 @@ std::set<std::string> collect_tokens(const NuscenesScene& scene, std::string Sen
 
 void read_samples(const NuscenesTables& tables, const std::string& scene_token, NuscenesScene& scene) {
   tables.for_each("sample", [&](const json& row) {
-    if (row.at("scene_token") == scene_token)
-      scene.key_times[row.at("token").get<std::string>()] = row.at("timestamp").get<std::int64_t>() * kNsPerMicrosecond;
+    if (row.at("scene_token") == scene_token) scene.key_times[row.at("token").get<std::string>()] = read_time_ns(row);
   });
 }
 
@@ -120,7 +126,7 @@ void read_sample_data(const NuscenesTables& tables, NuscenesScene& scene) {
     if (!scene.key_times.contains(row.at("sample_token").get<std::string>())) return;
     const auto calibration = row.at("calibrated_sensor_token").get<std::string>();
     by_calibration[calibration].push_back({row.at("filename").get<std::string>(), row.at("ego_pose_token").get<std::string>(),
-                                           calibration, row.at("timestamp").get<std::int64_t>() * kNsPerMicrosecond,
+                                           calibration, read_time_ns(row),
                                            cv::Size(row.value("width", 0), row.value("height", 0))});
   });
   std::set<std::string> calibrations, sensors;

@@ -7,6 +7,7 @@
 #include "dvi/core/text.h"
 #include "dvi/datasets/colmap_model.h"
 #include "dvi/datasets/compare_times.h"
+#include "dvi/datasets/file_names.h"
 #include "dvi/datasets/pose_jumps.h"
 #include "dvi/geometry/plausible.h"
 #include "dvi/labels/mask_folder.h"
@@ -18,7 +19,11 @@
 namespace dvi::datasets {
 namespace {
 
+// Whether a folder is the output of a run, which has a dvi.toml like a drive.
+bool is_result(const fs::path& path) { return fs::is_directory(path / ".dvi") && !fs::exists(path / "images"); }
+
 const DriveFormat* find_format(const fs::path& path) {
+  if (is_result(path)) return nullptr;
   for (const DriveFormat& format : drive_formats())
     if (format.recognize(path)) return &format;
   return nullptr;
@@ -72,6 +77,9 @@ std::optional<std::string> describe_nearest_format(const fs::path& folder) {
   if (!fs::exists(path)) throw InputError(path, "does not exist", "check the path of the drive");
   if (!fs::is_directory(path))
     throw InputError(path, "is not a recording", "give the folder of a drive, or a bag: .mcap, .db3, .bag");
+  if (is_result(path))
+    throw InputError(path, "is a result of dvi, not a drive",
+                     "give the drive that it was made from: target of [job] in its dvi.toml");
   if (const fs::path model = find_colmap_model(path); !model.empty() && !fs::is_directory(path / "images"))
     throw InputError(path, "holds a COLMAP model, but no folder images/",
                      "put its images into images/ and the model into sparse/0");
@@ -79,6 +87,10 @@ std::optional<std::string> describe_nearest_format(const fs::path& folder) {
     throw InputError(path, "is not a drive", "did you mean " + below->string() + "?");
   if (const auto nearest = describe_nearest_format(path))
     throw InputError(path, "is not a drive in a supported format", *nearest);
+  if (!list_files(path, kImageEndings).empty())
+    throw InputError(
+        path, "holds images, but is not a drive",
+        "move them into images/CAMERA, such as images/front, and dvi init " + path.string() + " prepares the other files");
   std::string known;
   for (const DriveFormat& format : drive_formats()) known += "\n  " + format.name + ": " + format.summary;
   throw InputError(path, fs::is_empty(path) ? "is empty" : "is not a drive in a supported format",

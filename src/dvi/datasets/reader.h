@@ -64,7 +64,7 @@ DriveFormat scannet_format();
 /// Returns whether a file holds the images of many frames: a bag or a video.
 bool holds_many_images(const std::filesystem::path& file);
 
-/// Returns all formats. A new reader is one file and one line here.
+/// Returns all formats. A new reader is one file, its declaration above, and one line here.
 const std::vector<DriveFormat>& drive_formats();
 
 /// Returns the root of the data set of a drive: the folder that holds its calibration, scans, and images, such as the parent of

@@ -97,6 +97,13 @@ TEST(Reader, SuggestsFormatsIfThereIsNoDrive) {
   make_folder(folder.path / "own/lidar");
   EXPECT_THAT(error(folder.path / "own"), AllOf(HasSubstr("most similar to folder, but lacks"), HasSubstr("; dvi init"),
                                                 HasSubstr("prepares images and scans")));
+  folder.write("loose/1.png", "x");
+  EXPECT_THAT(error(folder.path / "loose"),
+              AllOf(HasSubstr("holds images"), HasSubstr("images/CAMERA"), HasSubstr("dvi init")));
+  folder.write("result/dvi.toml", "[align]\n");
+  make_folder(folder.path / "result/.dvi");
+  EXPECT_THAT(error(folder.path / "result"),
+              AllOf(HasSubstr("is a result of dvi"), HasSubstr("the drive that it was made from")));
   EXPECT_THAT(error(folder.path / "none"), HasSubstr("does not exist"));
   EXPECT_THAT(error(""), HasSubstr("path of the drive is empty"));
   EXPECT_THAT(error(folder.path / "notes.txt"), HasSubstr("is not a recording"));

@@ -25,7 +25,7 @@ struct Label {
   int track = -1;
   std::string type;                ///< the class in the labels, in lower case ("car", "van", "pedestrian")
   std::optional<Box> box;          ///< in LiDAR axes, at the time of the image
-  std::optional<cv::Rect2d> rect;  ///< in the image
+  std::optional<cv::Rect2d> rect;  ///< in the image, in pixels
   std::optional<Instance> instance;
   MaskSource source = MaskSource::labels;  ///< of the object
   int class_number = -1;                   ///< the number of the class in the label file, by which --classes can select it

@@ -264,8 +264,11 @@ bool is_bag_file(const Result& result, const ExportOptions& options, const fs::p
 }  // namespace
 
 ExportFormat bag_format() {
-  return {"bag", "the recorded bag (.bag, .mcap, .db3) with clean images; all other messages keep their bytes", write_bag,
-          is_bag_file};
+  return {"bag",
+          "the recorded bag (.bag, .mcap, .db3) with clean images; all other messages keep their bytes",
+          write_bag,
+          is_bag_file,
+          {"export.quality", "export.input", "export.points"}};
 }
 
 }  // namespace dvi::exports

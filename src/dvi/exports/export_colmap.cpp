@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <ostream>
 #include <span>
 
 #include <fmt/format.h>
@@ -82,9 +82,7 @@ std::string format_image(const ResultFrame& frame, std::size_t id, const std::ve
 }
 
 void write_points(const fs::path& file, const std::vector<CloudPoint>& cloud, const std::vector<std::string>& tracks) {
-  write_beside(file, [&](const fs::path& part) {
-    std::ofstream out(part);
-    out.exceptions(std::ios::failbit | std::ios::badbit);
+  write_stream(file, [&](std::ostream& out) {
     out << "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n";
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const CloudPoint& p = cloud[i];
@@ -132,8 +130,11 @@ ExportReport write_colmap(const Result& result, const fs::path& folder, const Ex
 }  // namespace
 
 ExportFormat colmap_format() {
-  return {"colmap", "text model in sparse/0 with the map as points, clean images, masks of unobserved pixels (COLMAP, gsplat)",
-          write_colmap};
+  return {"colmap",
+          "text model in sparse/0 with the map as points, clean images, masks of unobserved pixels (COLMAP, gsplat)",
+          write_colmap,
+          {},
+          {"export.max_points"}};
 }
 
 }  // namespace dvi::exports

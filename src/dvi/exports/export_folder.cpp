@@ -261,8 +261,11 @@ bool is_recording_file(const Result& result, const ExportOptions& options, const
 }  // namespace
 
 ExportFormat folder_format() {
-  return {"folder", "the recording in its own layout and file formats (KITTI, nuScenes, and others) with clean images",
-          write_folder, is_recording_file};
+  return {"folder",
+          "the recording in its own layout and file formats (KITTI, nuScenes, and others) with clean images",
+          write_folder,
+          is_recording_file,
+          {"export.quality", "export.input", "export.points"}};
 }
 
 }  // namespace dvi::exports

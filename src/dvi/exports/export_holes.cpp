@@ -76,7 +76,9 @@ ExportFormat holes_format() {
   return {"holes",
           "the result and masks of unobserved pixels, for an inpainting program (ProPainter, LaMa, IOPaint, ComfyUI); "
           "dvi import-fill reads its frames",
-          write_holes};
+          write_holes,
+          {},
+          {"export.grow_px", "export.layout"}};
 }
 
 }  // namespace dvi::exports

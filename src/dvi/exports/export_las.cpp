@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <limits>
+#include <ostream>
 #include <string>
 
 #include <fmt/format.h>
@@ -68,9 +68,7 @@ ExportReport write_las(const Result& result, const fs::path& folder, const Expor
     throw InputError(result.folder() / "map/map.ply", "has more points than LAS 1.2 can count", "export ply");
   float brightest = std::numeric_limits<float>::min();
   for (const CloudPoint& p : cloud) brightest = std::max(brightest, p.intensity);
-  write_beside(folder / "map.las", [&](const fs::path& part) {
-    std::ofstream out(part, std::ios::binary);
-    out.exceptions(std::ios::failbit | std::ios::badbit);
+  write_stream(folder / "map.las", [&](std::ostream& out) {
     std::string bytes = make_header(cloud);
     for (const CloudPoint& p : cloud) {
       put_point(bytes, p, brightest);

@@ -108,8 +108,11 @@ ExportReport write_mcap(const Result& result, const fs::path& folder, const Expo
 }  // namespace
 
 ExportFormat mcap_format() {
-  return {"mcap", "a bag of ROS 2 messages: clean images, origin of pixels, map, path, tf (Foxglove, Lichtblick, Rerun, ROS 2)",
-          write_mcap};
+  return {"mcap",
+          "a bag of ROS 2 messages: clean images, origin of pixels, map, path, tf (Foxglove, Lichtblick, Rerun, ROS 2)",
+          write_mcap,
+          {},
+          {"export.max_points"}};
 }
 
 }  // namespace dvi::exports

@@ -108,8 +108,11 @@ ExportReport write_nerfstudio(const Result& result, const fs::path& folder, cons
 }  // namespace
 
 ExportFormat nerfstudio_format() {
-  return {"nerfstudio", "transforms.json with images, masks of unobserved pixels, depth and the map (nerfstudio, instant-ngp)",
-          write_nerfstudio};
+  return {"nerfstudio",
+          "transforms.json with images, masks of unobserved pixels, depth and the map (nerfstudio, instant-ngp)",
+          write_nerfstudio,
+          {},
+          {"export.max_points"}};
 }
 
 }  // namespace dvi::exports

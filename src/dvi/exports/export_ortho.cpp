@@ -135,7 +135,11 @@ ExportReport write_ortho(const Result& result, const fs::path& folder, const Exp
 }  // namespace
 
 ExportFormat ortho_format() {
-  return {"ortho", "GeoTIFFs from above: color; source frame, age, confidence and height (QGIS, GDAL)", write_ortho};
+  return {"ortho",
+          "GeoTIFFs from above: color; source frame, age, confidence and height (QGIS, GDAL)",
+          write_ortho,
+          {},
+          {"export.cell_m", "export.origin"}};
 }
 
 }  // namespace dvi::exports

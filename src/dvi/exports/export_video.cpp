@@ -56,7 +56,11 @@ ExportReport write_videos(const Result& result, const fs::path& folder, const Ex
 }  // namespace
 
 ExportFormat video_format() {
-  return {"video", "an mp4 of the result with selectable rate and quality, optionally beside the input", write_videos};
+  return {"video",
+          "an mp4 of the result with selectable rate and quality, optionally beside the input",
+          write_videos,
+          {},
+          {"export.beside", "video.fps", "video.crf", "video.encoder"}};
 }
 
 }  // namespace dvi::exports

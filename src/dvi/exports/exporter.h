@@ -76,6 +76,7 @@ struct ExportFormat {
       write;
   /// Checks the place of the export before anything is written, and returns whether it is a file. None: it is a folder.
   std::function<bool(const Result& result, const ExportOptions& options, const fs::path& place)> is_file = {};
+  std::vector<std::string> options = {};  ///< names (section.key) of the options that it uses
 };
 
 ExportFormat colmap_format();
@@ -90,11 +91,14 @@ ExportFormat labels_format();
 ExportFormat bag_format();
 ExportFormat folder_format();
 
-/// Returns all formats. A new format is one file and one line here.
+/// Returns all formats. A new format is one file, its declaration above, and one line here.
 const std::vector<ExportFormat>& export_formats();
 
 /// Returns the format of a name. Throws UsageError with all names if there is none.
 const ExportFormat& find_export_format(const std::string& name);
+
+/// Throws UsageError if a format does not use one of the given options of ExportOptions.
+void require_used(const std::vector<Assignment>& given, const OptionTable& table, const ExportFormat& format);
 
 /// A finished result of `dvi run` to export, and the new or empty folder, or the new file, to which it is exported.
 struct ExportTask {

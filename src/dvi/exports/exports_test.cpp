@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -147,6 +149,23 @@ TEST(RosMessages, AlignEachNumberToItsSize) {
   std::memcpy(&fx, info.data() + 4 + 48 + 5 * 8, 8);
   EXPECT_EQ(fx, 500);
   EXPECT_EQ(info.size(), 4 + 48 + 8 * (5 + 9 + 9 + 12) + 6 * 4 + 1);
+}
+
+TEST(Exports, RefuseOptionsOfOtherFormats) {
+  ExportOptions options;
+  OptionTable table;
+  options.describe(table);
+  for (const ExportFormat& format : export_formats())
+    for (const std::string& name : format.options) EXPECT_NO_THROW(require_used({{name, {}}}, table, format)) << name;
+  EXPECT_THAT([&] { require_used({{"--cell-m", {}}}, table, find_export_format("colmap")); },
+              testing::ThrowsMessage<UsageError>(HasSubstr("export colmap has no option --cell-m, which is one of ortho")));
+  for (const Option& option : table.options())
+    EXPECT_TRUE(std::any_of(export_formats().begin(), export_formats().end(),
+                            [&](const ExportFormat& format) {
+                              return std::find(format.options.begin(), format.options.end(), option.name()) !=
+                                     format.options.end();
+                            }))
+        << option.name() << " has an effect in no format";
 }
 
 TEST(Exports, ReportMissingFiles) {

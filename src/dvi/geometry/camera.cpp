@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -96,8 +97,19 @@ Eigen::Vector2d close_seam(const Camera& camera, Eigen::Vector2d pixel) {
 }  // namespace
 
 std::string to_string(CameraModel model) {
-  constexpr std::array<const char*, 5> kNames = {"pinhole", "fisheye", "unified", "equirectangular", "cylindrical"};
-  return kNames[static_cast<std::size_t>(model)];
+  switch (model) {
+    case CameraModel::pinhole:
+      return "pinhole";
+    case CameraModel::fisheye:
+      return "fisheye";
+    case CameraModel::unified:
+      return "unified";
+    case CameraModel::equirectangular:
+      return "equirectangular";
+    case CameraModel::cylindrical:
+      return "cylindrical";
+  }
+  throw std::invalid_argument("no camera model");
 }
 
 std::optional<CameraModel> find_camera_model(const std::string& name) {

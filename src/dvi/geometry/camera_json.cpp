@@ -1,9 +1,14 @@
 #include "dvi/geometry/camera_json.h"
 
 #include <array>
+#include <optional>
+#include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
+
+#include "dvi/core/error.h"
 
 namespace dvi {
 
@@ -22,8 +27,11 @@ Camera camera_from_json(const nlohmann::json& entry) {
   const auto K = entry.at("K").get<std::array<double, 9>>();
   const auto distortion = entry.at("distortion").get<std::vector<double>>();
   Camera out{size[0], size[1], K[0], K[4], K[2], K[5]};
-  out.set_lens(make_lens(find_camera_model(entry.value("model", "pinhole")).value_or(CameraModel::pinhole), distortion,
-                         entry.value("xi", 0.0)));
+  const auto name = entry.value("model", "pinhole");
+  const std::optional<CameraModel> model = find_camera_model(name);
+  if (!model)
+    throw InputError(fmt::format("the camera model '{}' is unknown; the file was written by a later version of dvi", name));
+  out.set_lens(make_lens(*model, distortion, entry.value("xi", 0.0)));
   return out;
 }
 

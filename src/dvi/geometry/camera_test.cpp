@@ -5,9 +5,11 @@
 #include <numbers>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "dvi/core/error.h"
 #include "dvi/core/random.h"
 #include "dvi/geometry/camera_json.h"
 
@@ -191,6 +193,10 @@ TEST(Camera, KnowsTheCoefficientsOfEachModel) {
 TEST(Camera, IsTheSameAfterJson) {
   for (const Camera& camera : kAll) EXPECT_EQ(camera_from_json(to_json(camera)), camera) << to_string(camera.model);
   EXPECT_FALSE(to_json(kBarrel).contains("model")) << "of most cameras";
+  nlohmann::json later = to_json(kBarrel);
+  later["model"] = "polynomial";
+  EXPECT_THAT([&] { camera_from_json(later); },
+              testing::ThrowsMessage<InputError>(testing::HasSubstr("'polynomial' is unknown")));
 }
 
 TEST(Camera, RecoversPointsFromPixelAndDepth) {

@@ -31,8 +31,8 @@ class Trajectory {
   /// Returns the same motion relative to another world: other_from_world * pose.
   Trajectory in(const SE3& other_from_world) const;
 
-  std::int64_t max_extrapolation = 200'000'000;
-  std::int64_t max_gap = 1'000'000'000;
+  std::int64_t max_extrapolation = 200'000'000;  ///< ns
+  std::int64_t max_gap = 1'000'000'000;          ///< ns
 
  private:
   std::vector<StampedPose> poses_;

@@ -15,6 +15,7 @@
 #include "dvi/datasets/compare_times.h"
 #include "dvi/datasets/pose_file.h"
 #include "dvi/datasets/pose_jumps.h"
+#include "dvi/image/interpolate.h"
 #include "dvi/inputs/mask_sources.h"
 #include "dvi/inputs/memory_plan.h"
 #include "dvi/inputs/near_target.h"
@@ -280,7 +281,15 @@ std::vector<std::string> verify(const Recordings& drives, const job::Job& job, P
   return warnings;
 }
 
-void require_source_numbers(const Recordings& drives) {
+void require_provenance_range(const Recordings& drives) {
+  constexpr int kMostSidePx = (std::numeric_limits<std::uint16_t>::max() + 1) / static_cast<int>(kSubpixel);
+  for (const Recording& open : drives)
+    if (const Camera& camera = open.drive.camera; std::max(camera.width, camera.height) > kMostSidePx)
+      throw InputError(open.drive.path,
+                       fmt::format("the images of camera {} have {}x{} pixels; at most {} per side can be recorded as the "
+                                   "positions of sources",
+                                   open.drive.camera_name, camera.width, camera.height, kMostSidePx),
+                       "reduce the images and the calibration");
   constexpr std::size_t kMost = std::numeric_limits<std::uint16_t>::max() - 1;
   std::size_t images = 0;
   for (const Recording& open : drives) images += open.drive.frames.size();

@@ -60,8 +60,9 @@ std::optional<std::string> bound_memory(const job::Job& job, const Recordings& d
 /// range in the job excludes more than a tenth of a drive's returns, or if scans may be truncated.
 std::vector<std::string> verify(const Recordings& drives, const job::Job& job, Progress& progress);
 
-/// Throws InputError if there are more images than source numbers in the provenance, whose pixels have 16 bits.
-void require_source_numbers(const Recordings& drives);
+/// Throws InputError if the provenance, whose values have 16 bits, cannot hold the number of a source image, or a position in
+/// it in sixteenths of a pixel.
+void require_provenance_range(const Recordings& drives);
 
 /// Lists every file that is read of a recording, with an empty path for each frame without a mask.
 std::vector<fs::path> files_of(const Recording& open);

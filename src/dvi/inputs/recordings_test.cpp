@@ -72,9 +72,19 @@ TEST(SourceNumbers, HaveSixteenBits) {
   Recordings drives(2);
   drives[0].drive.frames.resize(65'000);
   drives[1].drive.frames.resize(534);
-  EXPECT_NO_THROW(require_source_numbers(drives));
+  EXPECT_NO_THROW(require_provenance_range(drives));
   drives[1].drive.frames.resize(535);
-  EXPECT_THROW(require_source_numbers(drives), InputError);
+  EXPECT_THROW(require_provenance_range(drives), InputError);
+}
+
+TEST(SourcePositions, HaveTwelveBitsBeforeThePoint) {
+  Recordings drives(1);
+  drives[0].drive.camera.width = 4096;
+  drives[0].drive.camera.height = 2160;
+  EXPECT_NO_THROW(require_provenance_range(drives));
+  drives[0].drive.camera.width = 4097;
+  EXPECT_THAT(input_error([&] { require_provenance_range(drives); }),
+              AllOf(HasSubstr("4097x2160 pixels"), HasSubstr("at most 4096")));
 }
 
 TEST_F(OpenedDrive, WarnsOfATruncatedScan) {

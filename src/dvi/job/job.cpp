@@ -183,14 +183,14 @@ FrameRange parse_frames(const std::string& text) {
     int value = 0;
     const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
     if (error != std::errc() || end != part.data() + part.size())
-      throw UsageError("--frames " + text + ": wanted is A:B, two numbers, or A, one");
+      throw UsageError("--frames " + text + ": must be A:B or A, such as 10:49");
     return value;
   };
   const std::string_view view = text;
   const std::size_t colon = view.find(':');
   const int first = number(view.substr(0, colon));
   const FrameRange range{first, colon == std::string_view::npos ? first : number(view.substr(colon + 1))};
-  if (range.first > range.last) throw UsageError("--frames " + text + ": the first is behind the last");
+  if (range.first > range.last) throw UsageError("--frames " + text + ": the first frame is after the last");
   return range;
 }
 

@@ -25,6 +25,7 @@ Job Request::job(const std::string& out, const std::string& target, const std::v
   if (!config.empty() && !method) table.load_toml(config);
   for (const Assignment& assignment : assignments) table.assign(assignment);
   job.options.check();
+  if (!job.read.frames.empty()) parse_frames(job.read.frames);
   if (!out.empty()) job.out = out;
   if (!target.empty()) {
     job.target = target;

@@ -179,7 +179,7 @@ class Cvat {
   }
 
  private:
-  // Tasks, jobs and projects have the same description.
+  // Tasks and jobs have the same description.
   void read_task(const pugi::xml_node& meta) {
     for (const char* kind : {"task", "job"}) {
       const pugi::xml_node task = meta.child(kind);

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <numeric>
 
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
 #include "dvi/core/text.h"
+#include "dvi/media/point_number.h"
 #include "dvi/media/point_table.h"
 
 namespace dvi::media {
@@ -18,9 +18,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::size_t kBinPointBytes = BinShape().point_bytes();  // in a scan that dvi writes
-
-// The order of the arguments turns NaN into 0.
-std::uint16_t to_ring(double value) { return static_cast<std::uint16_t>(std::max(0.0, std::min(value, 65535.0))); }
 
 // Throws InputError if the file's own values contradict the layout of the other files.
 void require_shape(const fs::path& path, std::string_view bytes, const BinLayout& layout) {
@@ -83,28 +80,20 @@ void keep_points(const fs::path& path, PointCloud& cloud, const char* remedy, co
     throw InputError(path, fmt::format("none of its {} points is a return: all are NaN or 0 0 0", points), remedy);
 }
 
-template <class T>
-double load(const char* at, bool swap) {
-  char raw[sizeof(T)];
-  std::memcpy(raw, at, sizeof(T));
-  if (swap) std::reverse(raw, raw + sizeof(T));
-  return static_cast<double>(std::bit_cast<T>(raw));
-}
-
 double load(const PointField& field, const char* at, bool swap) {
   switch (field.kind) {
     case 'f':
-      return field.bytes == 8 ? load<double>(at, swap) : load<float>(at, swap);
+      return field.bytes == 8 ? load_number<double>(at, swap) : load_number<float>(at, swap);
     case 'i':
-      return field.bytes == 1   ? load<std::int8_t>(at, swap)
-             : field.bytes == 2 ? load<std::int16_t>(at, swap)
-             : field.bytes == 4 ? load<std::int32_t>(at, swap)
-                                : load<std::int64_t>(at, swap);
+      return field.bytes == 1   ? load_number<std::int8_t>(at, swap)
+             : field.bytes == 2 ? load_number<std::int16_t>(at, swap)
+             : field.bytes == 4 ? load_number<std::int32_t>(at, swap)
+                                : load_number<std::int64_t>(at, swap);
     default:
-      return field.bytes == 1   ? load<std::uint8_t>(at, swap)
-             : field.bytes == 2 ? load<std::uint16_t>(at, swap)
-             : field.bytes == 4 ? load<std::uint32_t>(at, swap)
-                                : load<std::uint64_t>(at, swap);
+      return field.bytes == 1   ? load_number<std::uint8_t>(at, swap)
+             : field.bytes == 2 ? load_number<std::uint16_t>(at, swap)
+             : field.bytes == 4 ? load_number<std::uint32_t>(at, swap)
+                                : load_number<std::uint64_t>(at, swap);
   }
 }
 

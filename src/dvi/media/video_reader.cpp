@@ -236,10 +236,11 @@ int find_color_space(const AVFrame& picture) {
   return picture.height >= kHighDefinition ? SWS_CS_ITU709 : SWS_CS_ITU601;
 }
 
-cv::Mat3b to_bgr(const AVFrame& picture) {
+cv::Mat3b to_bgr(const AVFrame& picture, const fs::path& file) {
   const Scaler scaler(sws_getContext(
       picture.width, picture.height, static_cast<AVPixelFormat>(picture.format), picture.width, picture.height,
       AV_PIX_FMT_BGR24, SWS_BILINEAR | SWS_FULL_CHR_H_INT | SWS_ACCURATE_RND | SWS_BITEXACT, nullptr, nullptr, nullptr));
+  if (!scaler) throw InputError(file, "has a pixel format that cannot be converted", "write it as H.264 in yuv420p");
   const bool full_range = picture.color_range == AVCOL_RANGE_JPEG;
   constexpr int kOne = 1 << 16;
   sws_setColorspaceDetails(scaler.get(), sws_getCoefficients(find_color_space(picture)), full_range ? 1 : 0,
@@ -247,7 +248,8 @@ cv::Mat3b to_bgr(const AVFrame& picture) {
   cv::Mat3b out(picture.height, picture.width);
   const std::array<std::uint8_t*, 1> rows{out.data};
   const std::array<int, 1> step{static_cast<int>(out.step)};
-  sws_scale(scaler.get(), picture.data, picture.linesize, 0, picture.height, rows.data(), step.data());
+  if (sws_scale(scaler.get(), picture.data, picture.linesize, 0, picture.height, rows.data(), step.data()) != picture.height)
+    throw InputError(file, "has a picture that cannot be converted", "write it as H.264 in yuv420p");
   return out;
 }
 
@@ -338,7 +340,7 @@ cv::Mat3b VideoReader::operator[](std::size_t i) const {
     throw InputError(impl_->file, frame + " is damaged", "the file may be truncated; write it again");
   if (picture->width != impl_->size.width || picture->height != impl_->size.height)
     throw InputError(impl_->file, frame + " differs in size from the first one", "all frames must have the same size");
-  cv::Mat3b out = to_bgr(*picture);
+  cv::Mat3b out = to_bgr(*picture, impl_->file);
   impl_->give_back(std::move(decoding));
   return out;
 }

@@ -1,15 +1,13 @@
 #include "dvi/media/write_ply.h"
 
 #include <bit>
-#include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <ios>
+#include <ostream>
 #include <stdexcept>
 #include <string>
 
-#include "dvi/core/error.h"
 #include "dvi/core/files.h"
 #include "dvi/core/scratch.h"
 
@@ -59,8 +57,7 @@ void require_one_per_point(const PlyCloud& cloud) {
 void write_ply(const fs::path& path, const PlyCloud& cloud) {
   require_one_per_point(cloud);
   constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
-  write_beside(path, [&](const fs::path& part) {
-    std::ofstream out(part, std::ios::binary);
+  write_stream(path, [&](std::ostream& out) {
     std::string bytes = make_header(cloud);
     const auto flush = [&] {
       out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
@@ -72,10 +69,6 @@ void write_ply(const fs::path& path, const PlyCloud& cloud) {
       if (bytes.size() >= kChunkBytes) flush();
     }
     flush();
-    out.close();
-    if (!out)
-      throw InputError(path, std::string("cannot be written (") + std::strerror(errno) + ")",
-                       "free space or choose another folder");
   });
 }
 

@@ -25,6 +25,7 @@ struct ConfidenceCounts {
   std::optional<Calibration> compute_calibration() const;  ///< nothing if there are no pixels
 };
 
+/// Counts the pixels that `pixels` marks with nonzero values. All images have the same size.
 ConfidenceCounts count_confidence(const cv::Mat1b& confidence, const cv::Mat3b& result, const cv::Mat3b& truth,
                                   const cv::Mat1b& pixels);
 

@@ -21,6 +21,7 @@ struct ErrorSums {
 /// The PSNR in dB of an exact frame, so that means over frames are finite.
 inline constexpr double kMaxPsnr = 100;
 
+/// Sums the errors of the pixels that `pixels` marks with nonzero values. All images have the same size.
 ErrorSums sum_errors(const cv::Mat3b& result, const cv::Mat3b& truth, const cv::Mat1b& pixels);
 
 /// A sum over pixels, and their number.

@@ -267,7 +267,7 @@ class OdometryRun {
       score *= std::accumulate(fits.begin(), fits.end(), 0.0, [](double sum, const scan_match::Registration& fit) {
         return sum + static_cast<double>(fit.inliers);
       });
-      if (score <= best_score) return;
+      if (!best.empty() && score <= best_score) return;  // without any inlier, the scans are lost, but have poses
       best_score = score;
       best = std::move(fits);
       tracker_ = std::move(tracker);

@@ -3,11 +3,13 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "dvi/core/error.h"
 #include "dvi/core/scratch.h"
 #include "dvi/core/text.h"
 #include "dvi/geometry/rigid.h"
@@ -168,6 +170,13 @@ void write_map_files(const fs::path& folder, const MapContents& contents) {
                                   .world_from_camera = camera_poses(views, 0),
                                   .tracks = objects});
   write_removed(folder / "moving.ply", map.removed, "taken out of the dvi map of " + name);
+}
+
+std::optional<TrajectoryFormat> parse_trajectory_format(const std::string& name) {
+  if (name == "none") return std::nullopt;
+  if (name == "kitti") return TrajectoryFormat::kitti;
+  if (name == "tum") return TrajectoryFormat::tum;
+  throw UsageError("--trajectory " + name + ": there are kitti and tum");
 }
 
 void write_trajectory(const fs::path& file, const Drive& drive, const Trajectory& world_from_lidar, TrajectoryFormat format) {

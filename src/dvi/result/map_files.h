@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "dvi/core/files.h"
@@ -31,6 +33,9 @@ void write_map_files(const fs::path& folder, const MapContents& contents);
 
 /// The lines of a trajectory file: 12 numbers of [R | t] (KITTI), or seconds and tx ty tz qx qy qz qw (TUM).
 enum class TrajectoryFormat { kitti, tum };
+
+/// Returns the format of this name, or nothing for "none". Throws UsageError for other names.
+std::optional<TrajectoryFormat> parse_trajectory_format(const std::string& name);
 
 /// Writes world_from_lidar at the middle of each scan that has a pose, one line per scan.
 void write_trajectory(const fs::path& file, const Drive& drive, const Trajectory& world_from_lidar, TrajectoryFormat format);

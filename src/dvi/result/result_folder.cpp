@@ -85,7 +85,8 @@ void require_apart(const job::Job& job) {
 
 void require_usable_folder(const job::Job& job) {
   const fs::path out = job.out;
-  if (job.force || !fs::exists(out) || (fs::is_directory(out) && fs::is_empty(out))) return;
+  if (fs::exists(out) && !fs::is_directory(out)) throw InputError(out, "is a file", "give a folder for the result");
+  if (job.force || !fs::exists(out) || fs::is_empty(out)) return;
   // This test is last because a run that begins at the same time creates .dvi before anything else.
   if (!fs::is_directory(out / ".dvi"))
     throw InputError(out, "exists and is not a result of dvi", "choose another folder, or --force to write into it");
@@ -215,8 +216,9 @@ std::string ResultFolder::frame_name(const View& view) const {
   return join_frame_name(cameras()[sequence], drives_[sequence].drive.frames[view.frame].name);
 }
 
-std::vector<std::size_t> ResultFolder::find_missing_frames(const Views& views, Progress& progress) {
+std::vector<std::size_t> ResultFolder::begin_fill(const Views& views, Progress& progress) {
   const std::size_t count = views.targets();
+  names_.clear();
   for (std::size_t i = 0; i < count; ++i) names_.push_back(frame_name(views[i]));
   std::vector<char> finished(count), stale(count), imported(count);
   parallel_for(count, [&](std::size_t i) {
@@ -246,8 +248,7 @@ std::function<void(std::size_t, const FilledView&)> ResultFolder::make_writer(co
     const Frame& frame = drives_[static_cast<std::size_t>(views[view].sequence)].drive.frames[views[view].frame];
     const std::string name = frame_name(views[view]);
     cpu.time("write", [&] {
-      std::ofstream begun(frame_manifest(name));  // an empty manifest marks the pictures as dvi's, but unfinished
-      begun.close();
+      write_file(frame_manifest(name), "");  // marks the pictures as dvi's, but unfinished
       write_pictures({out_, name, view}, finished.frame, views);
       std::vector<std::string> files = list_pictures(name);
       const std::vector<std::string> masks = source_masks->write(finished.frame.provenance);

@@ -89,7 +89,7 @@ class ResultFolder {
 
   /// Returns the views of the target whose frames are not finished, ascending. If there are any, marks the result as
   /// unfinished.
-  std::vector<std::size_t> find_missing_frames(const Views& views, Progress& progress);
+  std::vector<std::size_t> begin_fill(const Views& views, Progress& progress);
 
   /// Writes the cost of these frames, for the process that completes the result.
   void write_fill_cost(const std::vector<std::size_t>& frames, const CpuClock& cpu, const Progress& progress) const;
@@ -97,7 +97,7 @@ class ResultFolder {
   /// Writes the cost of the plan of a section, for the process that completes the result.
   void write_section_cost(std::size_t section, const CostReport& cost);
 
-  /// Returns the names of the target's frames (core/frame_name.h); empty before find_missing_frames() is called.
+  /// Returns the names of the target's frames (core/frame_name.h); empty before begin_fill() is called.
   const std::vector<std::string>& frame_names() const { return names_; }
 
   /// Returns a function that writes all files of a frame, its manifest last, and then passes the frame to `hand_on`. It may be

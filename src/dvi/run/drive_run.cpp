@@ -175,7 +175,7 @@ Recordings DriveRun::open_drives() const {
   progress_.plan(plan_run_stages(job_));
   Recordings drives =
       inputs::add_other_cameras(inputs::open_recordings(job_, inputs::MaskNeed::required, progress_), job_, progress_);
-  inputs::require_source_numbers(drives);
+  inputs::require_provenance_range(drives);
   return drives;
 }
 

@@ -72,7 +72,7 @@ class DriveRun {
   map::StaticMap load_map() const;
 
   /// Returns the views of the target whose frames are not finished, ascending.
-  std::vector<std::size_t> find_missing_frames() { return folder_.find_missing_frames(views_, progress_); }
+  std::vector<std::size_t> begin_fill() { return folder_.begin_fill(views_, progress_); }
   const inputs::Recordings& drives() const { return drives_; }
   const Views& views() const { return views_; }
   std::size_t frames() const { return views_.targets(); }

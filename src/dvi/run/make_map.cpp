@@ -94,9 +94,7 @@ map::StaticMap build_map(const inputs::Inputs& given, const map::MapOptions& opt
   return map;
 }
 
-std::string make_map(const job::Job& job, const std::string& trajectory, Progress& progress) {
-  if (trajectory != "none" && trajectory != "kitti" && trajectory != "tum")
-    throw UsageError("--trajectory " + trajectory + ": there are kitti and tum");
+std::string make_map(const job::Job& job, std::optional<result::TrajectoryFormat> trajectory, Progress& progress) {
   result::require_apart(job);
   job::require_one_camera(job.read.camera, "dvi map");
   const inputs::Recordings drives = inputs::open_recordings(job, inputs::MaskNeed::optional, progress);
@@ -111,9 +109,7 @@ std::string make_map(const job::Job& job, const std::string& trajectory, Progres
   result::write_map_files(
       out,
       {map, views, target, result::collect_object_paths(*masks.front().objects.labels, views, poses.front().world_from_lidar)});
-  if (trajectory != "none")
-    result::write_trajectory(out / "trajectory.txt", target, poses.front().world_from_lidar,
-                             trajectory == "tum" ? result::TrajectoryFormat::tum : result::TrajectoryFormat::kitti);
+  if (trajectory) result::write_trajectory(out / "trajectory.txt", target, poses.front().world_from_lidar, *trajectory);
   progress.end();
   nlohmann::json report = result::map_json(map);
   report["poses"] = result::poses_json(target, poses.front().choice);

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "dvi/core/progress.h"
 #include "dvi/inputs/inputs.h"
+#include "dvi/result/map_files.h"
 
 namespace dvi::run {
 
@@ -11,9 +13,9 @@ namespace dvi::run {
 /// of returns per reason, if no static point remains.
 map::StaticMap build_map(const inputs::Inputs& inputs, const map::MapOptions& options, Progress& progress);
 
-/// Runs `dvi map`: writes poses and static map of job.target to job.out. Masks are used if the drive has any. `trajectory` is
-/// none, kitti, or tum, the format of trajectory.txt. Returns map.json. Throws InputError if job.out is, contains, or is inside
+/// Runs `dvi map`: writes poses and static map of job.target to job.out. Masks are used if the drive has any. With a
+/// format, writes trajectory.txt, too. Returns map.json. Throws InputError if job.out is, contains, or is inside
 /// of an input.
-std::string make_map(const job::Job& job, const std::string& trajectory, Progress& progress);
+std::string make_map(const job::Job& job, std::optional<result::TrajectoryFormat> trajectory, Progress& progress);
 
 }  // namespace dvi::run

@@ -55,14 +55,14 @@ std::vector<std::string> ranges_of(const Planned& run, const std::vector<std::si
 template <class Planned>
 PlanReport report_plan(Planned& run) {
   PlanReport report{.frames = all_numbers(run)};
-  report.finished = report.frames.size() - numbers_of(run, run.find_missing_frames()).size();
+  report.finished = report.frames.size() - numbers_of(run, run.begin_fill()).size();
   return report;
 }
 
 /// Fills the missing frames of a run, and completes it.
 template <class Planned>
 result::RunReport fill_and_finish(Planned& run, const FrameSink& sink) {
-  const std::vector<std::size_t> missing = run.find_missing_frames();
+  const std::vector<std::size_t> missing = run.begin_fill();
   if (sink.begin) sink.begin({run.folder().frame_names(), run.views().targets_in_time(), missing});
   run.fill_frames(missing, sink.finished);
   return run.finish();
@@ -74,7 +74,7 @@ FillReport fill_range(Planned& run, const job::Job& job, const std::optional<Fra
   FillReport report;
   for (std::size_t i = 0; i < run.frames(); ++i) report.frames += is_in_range(i) ? 1 : 0;
   if (report.frames == 0) throw InputError(job.out, fmt::format("has no frames {}:{}", range->first, range->last));
-  std::vector<std::size_t> missing = run.find_missing_frames();
+  std::vector<std::size_t> missing = run.begin_fill();
   std::erase_if(missing, [&](std::size_t i) { return !is_in_range(i); });
   run.fill_frames(missing);
   run.folder().write_fill_cost(missing, run.cpu(), progress);
@@ -84,7 +84,7 @@ FillReport fill_range(Planned& run, const job::Job& job, const std::optional<Fra
 
 template <class Planned>
 result::RunReport finish_plan(Planned& run, const job::Job& job) {
-  if (const std::vector<std::size_t> missing = run.find_missing_frames(); !missing.empty()) {
+  if (const std::vector<std::size_t> missing = run.begin_fill(); !missing.empty()) {
     const std::vector<std::string> ranges = ranges_of(run, missing);
     throw InputError(job.out, fmt::format("lacks {} of {} frames: {}", missing.size(), run.frames(), fmt::join(ranges, ", ")),
                      fmt::format("dvi fill {} --frames {} fills the first range", job.out, ranges.front()));

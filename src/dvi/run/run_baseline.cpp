@@ -38,7 +38,7 @@ result::RunReport run_baseline(const job::Job& job, Progress& progress, const Fr
   const Views views = inputs::make_unposed_views(drives, masks);
   const align::Cameras cameras(views);
   result::CpuClock cpu;
-  const std::vector<std::size_t> missing = out.find_missing_frames(views, progress);
+  const std::vector<std::size_t> missing = out.begin_fill(views, progress);
   if (sink.begin) sink.begin({out.frame_names(), views.targets_in_time(), missing});
   const auto finish_frame = [&](std::size_t number, const harmonize::FilledFrame& frame) {
     if (sink.finished) sink.finished(number, frame);

@@ -16,7 +16,7 @@ const Stages& stages_before_fill() {
 }
 
 const Stages& stages_after_fill() {
-  static const Stages stages{{"video", 0.07}, {"artifacts", 0.035}, {"report", 0.02}};
+  static const Stages stages{{"video", 0.07}, {"artifacts", 0.035}, {"look", 0.02}, {"report", 0.02}};
   return stages;
 }
 

@@ -32,7 +32,7 @@ inputs::Recordings open_whole(const job::Job& job) {
   Progress silent(ProgressStyle::quiet);  // each section reports the warnings of the drive
   inputs::Recordings drives =
       inputs::add_other_cameras(inputs::open_recordings(job, inputs::MaskNeed::required, silent), job, silent);
-  inputs::require_source_numbers(drives);
+  inputs::require_provenance_range(drives);
   return drives;
 }
 

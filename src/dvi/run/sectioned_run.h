@@ -41,7 +41,7 @@ class SectionedRun {
   const Views& views() const { return views_; }
   std::size_t frames() const { return views_.targets(); }
   int number_of(std::size_t frame) const { return drives_.front().drive.frames[views_[frame].frame].number; }
-  std::vector<std::size_t> find_missing_frames() { return folder_->find_missing_frames(views_, progress_); }
+  std::vector<std::size_t> begin_fill() { return folder_->begin_fill(views_, progress_); }
   void fill_frames(const std::vector<std::size_t>& frames, const result::FinishedFrame& hand_on = {});
   result::RunReport finish();
   result::CpuClock& cpu() { return cpu_; }

@@ -29,6 +29,8 @@ class Section {
  public:
   Section(const fs::path& file, const toml::table& root, std::string name, const std::vector<std::string>& keys)
       : file_(file), name_(std::move(name)), table_(root.get_as<toml::table>(name_)) {
+    if (!table_ && root.contains(name_))
+      fail(*root.get(name_), fmt::format("'{}' is not a table", name_), fmt::format("write [{}]", name_));
     if (!table_) return;
     for (const auto& [key, node] : *table_)
       if (std::find(keys.begin(), keys.end(), key.str()) == keys.end())
