@@ -59,7 +59,7 @@ cv::Mat1f measure_fine_contrast(const cv::Mat3f& color) {
 /// Returns the probability that a synthesized pixel is within 10 gray levels of the truth, by its distance in pixels to the
 /// nearest known or copied pixel, and by the contrast around it (docs/algorithms/confidence.md).
 double confidence_of_synthesis(float distance_px, float contrast) {
-  return 1 / (1 + std::exp(-1.13 - 1.84 * std::exp(-distance_px / 9) + 1.57 * std::log1p(contrast)));
+  return 1 / (1 + std::exp(-1.36 - 1.75 * std::exp(-distance_px / 9) + 1.95 * std::log1p(contrast)));
 }
 
 /// Writes the probability of each pixel of a region that it is within 10 gray levels of the truth.
