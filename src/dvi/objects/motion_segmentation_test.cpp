@@ -12,8 +12,8 @@
 #include "dvi/drive/outline.h"
 #include "dvi/image/region.h"
 #include "dvi/objects/motion_segmentation.h"
-#include "dvi/objects/plain_drive.h"
 #include "dvi/objects/shadows.h"
+#include "dvi/objects/test_plain_drive.h"
 #include "dvi/objects/test_recorded_street.h"
 #include "dvi/testing/memory_views.h"
 

@@ -7,8 +7,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/image/region.h"
-#include "dvi/objects/plain_drive.h"
 #include "dvi/objects/static_depth.h"
+#include "dvi/objects/test_plain_drive.h"
 #include "dvi/testing/memory_views.h"
 
 namespace dvi::objects {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "dvi/objects/motion_segmentation.h"
-#include "dvi/objects/moving_cuboids.h"
+#include "dvi/objects/test_moving_cuboids.h"
 
 namespace dvi::objects {
 namespace {

@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/drive/outline.h"
-#include "dvi/objects/plain_drive.h"
+#include "dvi/objects/test_plain_drive.h"
 
 namespace dvi::objects {
 namespace {

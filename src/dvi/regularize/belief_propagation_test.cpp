@@ -10,7 +10,7 @@
 #include "dvi/core/random.h"
 #include "dvi/regularize/min_sum.h"
 #include "dvi/regularize/shift_field.h"
-#include "dvi/regularize/tree_reweighted.h"
+#include "dvi/regularize/test_tree_reweighted.h"
 
 namespace dvi::regularize {
 namespace {

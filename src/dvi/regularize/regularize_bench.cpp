@@ -11,7 +11,7 @@
 #include "dvi/regularize/labeling.h"
 #include "dvi/regularize/regularize.h"
 #include "dvi/regularize/shift_field.h"
-#include "dvi/regularize/tree_reweighted.h"
+#include "dvi/regularize/test_tree_reweighted.h"
 #include "dvi/sample/candidates.h"
 #include "dvi/testing/flat_scene.h"
 

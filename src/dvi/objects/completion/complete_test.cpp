@@ -12,9 +12,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/image/region.h"
-#include "dvi/objects/completion/masked_drive.h"
+#include "dvi/objects/completion/test_masked_drive.h"
 #include "dvi/objects/find_objects.h"
-#include "dvi/objects/moving_cuboids.h"
+#include "dvi/objects/test_moving_cuboids.h"
 #include "dvi/synth/scene.h"
 
 namespace dvi::objects {

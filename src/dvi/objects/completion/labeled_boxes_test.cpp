@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "dvi/objects/moving_cuboids.h"
+#include "dvi/objects/test_moving_cuboids.h"
 
 namespace dvi::objects {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "dvi/drive/outline.h"
 #include "dvi/image/region.h"
-#include "dvi/objects/plain_drive.h"
+#include "dvi/objects/test_plain_drive.h"
 
 namespace dvi::objects {
 namespace {

@@ -9,8 +9,8 @@
 
 #include <opencv2/core.hpp>
 
-#include "dvi/objects/completion/masked_drive.h"
-#include "dvi/objects/moving_cuboids.h"
+#include "dvi/objects/completion/test_masked_drive.h"
+#include "dvi/objects/test_moving_cuboids.h"
 
 namespace dvi::objects {
 namespace {

@@ -12,7 +12,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "dvi/core/random.h"
-#include "dvi/objects/plain_drive.h"
+#include "dvi/objects/test_plain_drive.h"
 
 namespace dvi::objects {
 
