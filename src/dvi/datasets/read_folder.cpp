@@ -271,6 +271,39 @@ void set_camera(Drive& drive, const DriveConfig& config, const FolderImages& ima
                       "put them into images/CAMERA, or add images/CAMERA.mp4");
 }
 
+// The files of the geometry: scans, depth images, or a map.
+struct GeometryFiles {
+  Geometry kind = Geometry::scans;
+  std::vector<NamedFile> scans;  // or depth images
+  std::optional<fs::path> map;
+};
+
+GeometryFiles find_geometry(const fs::path& path, Drive& drive) {
+  GeometryFiles out{.scans = name_files(list_files(path / "lidar", {".bin", ".ply", ".pcd"})), .map = find_map(path)};
+  if (out.scans.empty()) {
+    out.scans = name_files(list_files(path / "depth" / drive.camera_name, {".png"}));
+    out.kind = out.scans.empty() && out.map ? Geometry::map : Geometry::depth;
+    if (out.scans.empty() && !out.map) refuse_other_geometry(path);
+  }
+  if (const std::string others = out.kind == Geometry::scans ? "" : describe_other_scans(path); !others.empty())
+    drive.warnings.push_back("lidar/ holds no scans in a supported format (.bin, .ply, .pcd), but " + others);
+  if (out.map && out.kind != Geometry::map)
+    drive.warnings.push_back(out.map->filename().string() + " is not used, because the map is built from the scans");
+  return out;
+}
+
+// Reads the given poses and the GPS positions, if there are any.
+void read_positions(const fs::path& path, Drive& drive) {
+  if (const fs::path poses = path / "poses.txt"; fs::exists(poses)) {
+    drive.poses = read_poses(poses, drive);
+    drive.other_files.push_back(poses);
+  }
+  if (const fs::path gps = path / "gps.txt"; fs::exists(gps)) {
+    drive.fixes = read_fixes(gps);
+    drive.other_files.push_back(gps);
+  }
+}
+
 DriveContents read_folder(const fs::path& path, const ReadOptions& options) {
   const DriveConfig config = read_config(path);
   DriveContents recording;
@@ -287,21 +320,10 @@ DriveContents read_folder(const fs::path& path, const ReadOptions& options) {
   drive.camera_name = choose_camera(drive, options.camera, config.usual_camera);
 
   const FolderImages images = find_images(path, drive.camera_name);
-  std::vector<NamedFile> scans = name_files(list_files(path / "lidar", {".bin", ".ply", ".pcd"}));
-  const std::optional<fs::path> map = find_map(path);
-  Geometry geometry = Geometry::scans;
-  if (scans.empty()) {
-    scans = name_files(list_files(path / "depth" / drive.camera_name, {".png"}));
-    geometry = scans.empty() && map ? Geometry::map : Geometry::depth;
-    if (scans.empty() && !map) refuse_other_geometry(path);
-  }
-  if (const std::string others = geometry == Geometry::scans ? "" : describe_other_scans(path); !others.empty())
-    drive.warnings.push_back("lidar/ holds no scans in a supported format (.bin, .ply, .pcd), but " + others);
-  if (map && geometry != Geometry::map)
-    drive.warnings.push_back(map->filename().string() + " is not used, because the map is built from the scans");
+  const GeometryFiles geometry = find_geometry(path, drive);
   const std::int64_t period = std::llround(1e9 / config.lidar.rate);
-  const Clocks clocks = images.video ? read_video_clocks(drive, images, scans, config.lidar.rate)
-                                     : read_clocks(drive, images.files, scans, config.lidar.rate);
+  const Clocks clocks = images.video ? read_video_clocks(drive, images, geometry.scans, config.lidar.rate)
+                                     : read_clocks(drive, images.files, geometry.scans, config.lidar.rate);
   drive.frames = make_frames(images.files, clocks);
   if (images.video && images.video->rotation_deg() != 0)
     drive.warnings.push_back(media::describe_video_rotation(images.files.front().file, images.video->rotation_deg()));
@@ -309,26 +331,20 @@ DriveContents read_folder(const fs::path& path, const ReadOptions& options) {
     recording.read_image = [video = images.video](const Frame& frame) {
       return (*video)[static_cast<std::size_t>(frame.number)];
     };
-  drive.scan_headers = make_scan_headers(scans, clocks, geometry == Geometry::depth ? 0 : period, config.lidar.stamp);
-  set_camera(drive, config, images, geometry);
-  if (geometry == Geometry::map) {
-    attach_map(drive, *map);
-  } else if (geometry == Geometry::depth) {
+  drive.scan_headers =
+      make_scan_headers(geometry.scans, clocks, geometry.kind == Geometry::depth ? 0 : period, config.lidar.stamp);
+  set_camera(drive, config, images, geometry.kind);
+  if (geometry.kind == Geometry::map) {
+    attach_map(drive, *geometry.map);
+  } else if (geometry.kind == Geometry::depth) {
     DepthCamera camera;
     config.depth.apply(camera);
     recording.read_scan = attach_depth_camera(drive, camera);
   }
   config.lidar.apply(drive);
-  if (geometry == Geometry::scans) attach_scan_files(recording, config.lidar, config.lidar.rotation());
+  if (geometry.kind == Geometry::scans) attach_scan_files(recording, config.lidar, config.lidar.rotation());
   labels::match_masks(drive, {labels::camera_masks(path, drive.camera_name)});
-  if (const fs::path poses = path / "poses.txt"; fs::exists(poses)) {
-    drive.poses = read_poses(poses, drive);
-    drive.other_files.push_back(poses);
-  }
-  if (const fs::path gps = path / "gps.txt"; fs::exists(gps)) {
-    drive.fixes = read_fixes(gps);
-    drive.other_files.push_back(gps);
-  }
+  read_positions(path, drive);
   recording.gaps = find_gaps(drive, period);
   if (const fs::path boxes = path / "boxes.json"; fs::exists(boxes)) recording.gaps.push_back(labels::add_labels(drive, boxes));
   return recording;
