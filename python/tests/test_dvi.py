@@ -203,7 +203,7 @@ def test_every_short_form_is_a_keyword_with_the_same_effect():
     options = short_forms()
     assert {"job.masks", "job.topics", "harmonize.unobserved"} < {option for option, _, _ in options}
     for option, flag, allowed in options:
-        value = allowed[-1] or "a=b"
+        value = allowed[-1] or ("1:2" if option == "job.frames" else "a=b")
         expected = program("config", "dump", "--all", flag, value)
         assert expected != program("config", "dump", "--all")
         assert dvi.config(all=True, **{option.split(".")[1]: value}) == expected, option
