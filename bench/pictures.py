@@ -135,6 +135,8 @@ def tiles(outcome: Outcome, case: Case, scorer: Scorer, name: str) -> tuple[dict
     scored = np.array(Image.open(dvi / f"masks/{name}.png").convert("L")) > 0
     if case.ignore:
         scored &= np.array(Image.open(folder / case.ignore / f"{name}.png").convert("L")) == 0
+    if case.true_masks:
+        scored &= np.array(Image.open(folder / case.true_masks / f"{name}.png").convert("L")) > 0
     return shown, scored
 
 
