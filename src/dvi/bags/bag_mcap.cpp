@@ -52,9 +52,8 @@ class McapScan {
     constexpr std::uint64_t kMessageHeadBytes = 2 + 4 + 8;
     const std::string bytes =
         file_.read(record.content(), opcode == message_record ? std::min(length, kMessageHeadBytes) : length);
-    guard(at, [&, opcode = opcode, at = at] {
-      take(opcode, bytes, opcode == message_index_record ? open_chunk_.value_or(kNoMcapChunk) : kNoMcapChunk, at);
-    });
+    guard(at,
+          [&] { take(opcode, bytes, opcode == message_index_record ? open_chunk_.value_or(kNoMcapChunk) : kNoMcapChunk, at); });
   }
 
   // Handles a record. `chunk` is the chunk that holds or indexes it; `at` is its position there or in the file.

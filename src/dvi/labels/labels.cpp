@@ -214,10 +214,9 @@ bool is_coco(std::string_view text) {
 }  // namespace
 
 const std::vector<LabelFormat>& label_formats() {
-  using Text = std::string_view;
   using Path = const fs::path&;
   static const std::vector<LabelFormat> formats = {
-      {"KITTI's tracklet_labels.xml", [](Text t) { return t.starts_with('<') && contains(t, "<tracklets"); },
+      {"KITTI's tracklet_labels.xml", [](std::string_view t) { return t.starts_with('<') && contains(t, "<tracklets"); },
        [](Path file, const Drive& drive) { return to_frames_by_number(file, read_tracklets(file), drive); }},
       {"KITTI tracking labels", is_tracking,
        [](Path file, const Drive& drive) { return to_frames_by_number(file, read_drive_tracking(file, drive), drive); }},
@@ -226,10 +225,11 @@ const std::vector<LabelFormat>& label_formats() {
       {"COCO panoptic JSON", is_panoptic, read_drive_panoptic},
       {"COCO JSON", is_coco,
        [](Path file, const Drive& drive) { return to_frames_by_name(file, read_coco(file, drive), drive); }},
-      {"CVAT XML (for video or for images)", [](Text t) { return t.starts_with('<') && contains(t, "<annotations"); },
+      {"CVAT XML (for video or for images)",
+       [](std::string_view t) { return t.starts_with('<') && contains(t, "<annotations"); },
        [](Path file, const Drive& drive) { return to_frames_by_name(file, read_cvat(file, drive), drive); }},
       {"LabelMe JSON", is_labelme, read_one_labelme},
-      {"boxes.json", [](Text t) { return t.starts_with('{') && contains(t, "\"frames\""); },
+      {"boxes.json", [](std::string_view t) { return t.starts_with('{') && contains(t, "\"frames\""); },
        [](Path file, const Drive& drive) { return read_drive_boxes(file, drive); }},
   };
   return formats;
