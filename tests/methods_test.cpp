@@ -115,6 +115,7 @@ TEST_F(Methods, OnlyBaselinesRunWithoutPosesAndScans) {
   EXPECT_EQ(check.code, 3);
   EXPECT_THAT(check.out, testing::AllOf(HasSubstr("unknown: no poses"), HasSubstr("--method flow, telea, and ns only need")));
   EXPECT_EQ(dvi("check drive --method telea --quiet").code, 0) << "ready for a baseline";
+  EXPECT_EQ(dvi("check drive --method telea --masks none --quiet").code, 3) << "without masks";
   for (const char* command : {"run drive -o out --method paper", "map drive -o out --method telea", "forecast drive -o out"}) {
     const Result result = dvi(std::string(command) + " --quiet");
     EXPECT_EQ(result.code, 3) << command;

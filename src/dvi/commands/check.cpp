@@ -17,6 +17,7 @@
 #include "dvi/diagnostics/check_scan_times.h"
 #include "dvi/inputs/check_setup.h"
 #include "dvi/inputs/collect_evidence.h"
+#include "dvi/inputs/mask_sources.h"
 #include "dvi/inputs/stretches.h"
 #include "dvi/objects/removed_objects.h"
 #include "dvi/result/stage_json.h"
@@ -115,8 +116,9 @@ CheckReport make_report(const inputs::Recording& open, const inputs::PoseChoice&
   if (open.masks_from.empty() && drive.scan_headers.empty())
     out.warnings.emplace_back("neither masks, labels, nor scans show the objects to remove: give --masks DIR or --masks FILE");
   if (!drive.map.empty()) out.map_points = drive.map[0]->points.size();
-  const bool has_geometry = out.frames_with_pose > 0 && drive.has_geometry();
-  out.ready = (has_geometry || job::is_baseline(method)) && (!open.masks_from.empty() || !drive.scan_headers.empty());
+  out.ready = job::is_baseline(method) ? !inputs::without_scans(open.masks_from).empty()
+                                       : out.frames_with_pose > 0 && drive.has_geometry() &&
+                                             (!open.masks_from.empty() || !drive.scan_headers.empty());
   return out;
 }
 

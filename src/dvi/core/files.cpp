@@ -91,8 +91,7 @@ std::string read_file(const fs::path& path, std::uintmax_t most) {
   if (!in) throw InputError(path, "cannot be read (" + describe_errno() + ")");
   std::string bytes(fs::file_size(path), '\0');
   in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (in.bad()) throw InputError(path, "cannot be read (" + describe_errno() + ")");
-  bytes.resize(static_cast<std::size_t>(in.gcount()));
+  if (!in) throw InputError(path, "cannot be read completely");
   return bytes;
 }
 

@@ -155,6 +155,11 @@ void attach_mask_files(Drive& drive, const std::vector<job::MasksFrom>& folders,
   }
 }
 
+MaskSources without_scans(MaskSources sources) {
+  for (const MaskSource source : {MaskSource::points, MaskSource::found}) sources.erase(source);
+  return sources;
+}
+
 MaskSources attach_mask_sources(Drive& drive, const job::ReadChoice& choice, MaskNeed need) {
   const NamedSources named = name_sources(drive, choice, need);
   MaskSources sources;

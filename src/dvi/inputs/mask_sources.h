@@ -20,6 +20,9 @@ enum class MaskNeed { required, wanted, optional };
 /// masks are required.
 MaskSources attach_mask_sources(Drive& drive, const job::ReadChoice& choice, MaskNeed need);
 
+/// Returns the sources that need no scans, which are those of the baselines.
+MaskSources without_scans(MaskSources sources);
+
 /// Replaces the mask files of a drive by the union of these folders, and of its own mask files if `and_own`. A frame has a mask
 /// if any of them has one. Does nothing without folders.
 void attach_mask_files(Drive& drive, const std::vector<job::MasksFrom>& folders, bool and_own, const job::ReadChoice& choice);

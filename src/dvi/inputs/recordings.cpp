@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -207,7 +208,7 @@ Recordings open_recordings(const job::Job& job, MaskNeed need, Progress& progres
 Recordings open_images(const job::Job& job, Progress& progress) {
   bound_memory(job.memory_mb, {});
   Recording open = open_recording(job.target, job.read, MaskNeed::required, progress);
-  for (const MaskSource source : {MaskSource::points, MaskSource::found}) open.masks_from.erase(source);  // they need scans
+  open.masks_from = without_scans(std::move(open.masks_from));
   if (open.masks_from.empty())
     throw InputError(open.drive.path, "has neither masks nor labels, and method " + to_string(job.method) + " finds none",
                      "make some with dvi mask, and give --masks DIR");

@@ -28,6 +28,7 @@ result::RunReport run_baseline(const job::Job& job, Progress& progress, const Fr
   progress.plan(plan_run_stages(job));
   job::require_one_camera(job.read.camera, "--method " + to_string(job.method));
   const inputs::Recordings drives = inputs::open_images(job, progress);
+  if (job.method == job::Method::flow) inputs::require_provenance_range(drives);
   result::ResultFolder out(job, drives);
   if (const std::optional<result::RunReport> finished = out.read_finished_report(progress)) return *finished;
   out.claim();
