@@ -1,11 +1,9 @@
 #include "dvi/cli/command.h"
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <new>
 #include <optional>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -16,6 +14,7 @@
 #include "dvi/core/error.h"
 #include "dvi/core/interrupt.h"
 #include "dvi/core/nearest_word.h"
+#include "dvi/core/text.h"
 #include "dvi/core/version.h"
 
 namespace dvi::cli {
@@ -101,6 +100,15 @@ std::optional<std::string> unknown_option(const Understood& in) {
   return std::nullopt;
 }
 
+// Returns a check of an argument: the problem if it is not a whole number of at least `least`, else an empty text.
+std::function<std::string(const std::string&)> whole_number(int least) {
+  return [least](const std::string& text) -> std::string {
+    const std::optional<int> value = to_integer(text);
+    if (!value) return fmt::format("'{}' is not a whole number", text);
+    return *value < least ? fmt::format("{} is less than {}", *value, least) : "";
+  };
+}
+
 // What is wrong with a command line that was not understood. Unknown words come first: CLI11 would name what is missing.
 std::string explain(const CLI::App& program, const CLI::ParseError& error) {
   const std::vector<Understood> commands = understood(program);
@@ -134,7 +142,7 @@ void Command::positional(const std::string& name, std::vector<std::string>& fiel
   impl_->app->add_option(name, field, doc);
 }
 void Command::positional(const std::string& name, int& field, const std::string& doc) {
-  impl_->app->add_option(name, field, doc)->required();
+  impl_->app->add_option(name, field, doc)->required()->check(whole_number(std::numeric_limits<int>::min()));
 }
 void Command::option(const std::string& names, std::string& field, const std::string& doc, bool required) {
   impl_->app->add_option(names, field, doc)->required(required);
@@ -143,12 +151,7 @@ void Command::option(const std::string& names, std::vector<std::string>& field, 
   impl_->app->add_option(names, field, doc)->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 void Command::option(const std::string& names, int& field, const std::string& doc, int least) {
-  impl_->app->add_option(names, field, doc)->check([least](const std::string& text) -> std::string {
-    int value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size()) return fmt::format("'{}' is not a whole number", text);
-    return value < least ? fmt::format("{} is less than {}", value, least) : "";
-  });
+  impl_->app->add_option(names, field, doc)->check(whole_number(least));
 }
 void Command::flag(const std::string& names, bool& field, const std::string& doc) { impl_->app->add_flag(names, field, doc); }
 void Command::options(const OptionTable& table, std::vector<Assignment>& given, const std::vector<std::string>& names) {

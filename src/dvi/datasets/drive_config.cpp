@@ -37,12 +37,21 @@ std::vector<double> finite_numbers(const toml::node& node) {
   return out;
 }
 
-// One table of the file. Its errors name file and line.
+// Returns the table of a key, which is empty if the key is missing.
+const toml::table& to_table(const fs::path& file, const toml::node* node, const std::string& name) {
+  static const toml::table none;
+  if (node && !node->is_table())
+    throw InputError(fmt::format("{}:{}", file.string(), node->source().begin.line), fmt::format("'{}' is not a table", name),
+                     fmt::format("write [{}]", name));
+  return node ? *node->as_table() : none;
+}
+
+// One table of the file, which is empty if its key is missing. Its errors name file and line.
 class Table {
  public:
-  Table(const fs::path& file, std::string name, const toml::table& table, std::vector<std::string> keys)
-      : file_(file), name_(std::move(name)), table_(&table) {
-    for (const auto& [key, node] : table)
+  Table(const fs::path& file, std::string name, const toml::node* table, std::vector<std::string> keys)
+      : file_(file), name_(std::move(name)), table_(&to_table(file, table, name_)) {
+    for (const auto& [key, node] : *table_)
       if (std::find(keys.begin(), keys.end(), key.str()) == keys.end())
         fail(node, fmt::format("{} has no key '{}'", name_.empty() ? "the file" : "[" + name_ + "]", key.str()),
              fmt::format("it has {}", fmt::join(keys, ", ")));
@@ -258,15 +267,6 @@ LidarConfig read_lidar(const Table& table) {
   return lidar;
 }
 
-// Returns the table of a key, which is empty if the key is missing.
-const toml::table& to_table(const fs::path& file, const toml::node* node, const std::string& name) {
-  static const toml::table none;
-  if (node && !node->is_table())
-    throw InputError(fmt::format("{}:{}", file.string(), node->source().begin.line), fmt::format("'{}' is not a table", name),
-                     fmt::format("write [{}]", name));
-  return node ? *node->as_table() : none;
-}
-
 }  // namespace
 
 std::optional<DriveConfig> read_drive_config(const fs::path& drive) {
@@ -274,23 +274,23 @@ std::optional<DriveConfig> read_drive_config(const fs::path& drive) {
   config.file = drive / "dvi.toml";
   if (!fs::exists(config.file)) return std::nullopt;
   const toml::table root = read_toml(config.file);
-  const Table whole(config.file, "", root, {"drive", "camera", "lidar", "depth"});
-  const Table head(config.file, "drive", to_table(config.file, root.get("drive"), "drive"), {"version", "camera"});
+  const Table whole(config.file, "", &root, {"drive", "camera", "lidar", "depth"});
+  const Table head(config.file, "drive", root.get("drive"), {"version", "camera"});
   if (const auto version = head.number("version"); version && *version != kVersion)
     head.fail("version", fmt::format("is {}, but this program reads version {}", *version, kVersion));
   for (const auto& [name, node] : to_table(config.file, root.get("camera"), "camera")) {
     require_plain_name(std::string(name.str()), config.file, "a camera");
-    config.cameras[std::string(name.str())] = read_camera(Table(
-        config.file, fmt::format("camera.{}", name.str()), to_table(config.file, &node, fmt::format("camera.{}", name.str())),
-        {"size", "K", "distortion", "model", "distortion_model", "xi", "camera_from_lidar", "offset_s"}));
+    config.cameras[std::string(name.str())] =
+        read_camera(Table(config.file, fmt::format("camera.{}", name.str()), &node,
+                          {"size", "K", "distortion", "model", "distortion_model", "xi", "camera_from_lidar", "offset_s"}));
   }
   std::vector<std::string> names;
   for (const auto& [name, camera] : config.cameras) names.push_back(name);
   if (const auto place = head.choice("camera", names)) config.usual_camera = names[*place];
   config.lidar = read_lidar(
-      Table(config.file, "lidar", to_table(config.file, root.get("lidar"), "lidar"),
+      Table(config.file, "lidar", root.get("lidar"),
             {"rate", "sensor", "beams", "stamp", "rotation", "first_azimuth_deg", "offset_s", "columns", "units_per_meter"}));
-  config.depth = read_depth(Table(config.file, "depth", to_table(config.file, root.get("depth"), "depth"),
+  config.depth = read_depth(Table(config.file, "depth", root.get("depth"),
                                   {"K", "distortion", "model", "distortion_model", "depth_from_color", "units_per_meter"}));
   return config;
 }

@@ -1,7 +1,5 @@
 #include "dvi/exports/exporter.h"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
@@ -31,10 +29,10 @@ const ExportFormat& find_export_format(const std::string& name) {
 void require_used(const std::vector<Assignment>& given, const OptionTable& table, const ExportFormat& format) {
   for (const Assignment& assignment : given) {
     const std::string name = table.find(assignment.option).name();
-    if (std::find(format.options.begin(), format.options.end(), name) != format.options.end()) continue;
+    if (format.uses(name)) continue;
     std::vector<std::string> users;
     for (const ExportFormat& other : export_formats())
-      if (std::find(other.options.begin(), other.options.end(), name) != other.options.end()) users.push_back(other.name);
+      if (other.uses(name)) users.push_back(other.name);
     throw UsageError(fmt::format("dvi export {} has no option {}, which is one of {}", format.name, assignment.option,
                                  fmt::join(users, ", ")));
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -77,6 +78,8 @@ struct ExportFormat {
   /// Checks the place of the export before anything is written, and returns whether it is a file. None: it is a folder.
   std::function<bool(const Result& result, const ExportOptions& options, const fs::path& place)> is_file = {};
   std::vector<std::string> options = {};  ///< names (section.key) of the options that it uses
+
+  bool uses(const std::string& option) const { return std::find(options.begin(), options.end(), option) != options.end(); }
 };
 
 ExportFormat colmap_format();

@@ -161,10 +161,7 @@ TEST(Exports, RefuseOptionsOfOtherFormats) {
               testing::ThrowsMessage<UsageError>(HasSubstr("export colmap has no option --cell-m, which is one of ortho")));
   for (const Option& option : table.options())
     EXPECT_TRUE(std::any_of(export_formats().begin(), export_formats().end(),
-                            [&](const ExportFormat& format) {
-                              return std::find(format.options.begin(), format.options.end(), option.name()) !=
-                                     format.options.end();
-                            }))
+                            [&](const ExportFormat& format) { return format.uses(option.name()); }))
         << option.name() << " has an effect in no format";
 }
 

@@ -248,7 +248,7 @@ std::function<void(std::size_t, const FilledView&)> ResultFolder::make_writer(co
     const Frame& frame = drives_[static_cast<std::size_t>(views[view].sequence)].drive.frames[views[view].frame];
     const std::string name = frame_name(views[view]);
     cpu.time("write", [&] {
-      write_file(frame_manifest(name), "");  // marks the pictures as dvi's, but unfinished
+      write_stream(frame_manifest(name), [](std::ostream&) {});  // marks the pictures as dvi's, but unfinished
       write_pictures({out_, name, view}, finished.frame, views);
       std::vector<std::string> files = list_pictures(name);
       const std::vector<std::string> masks = source_masks->write(finished.frame.provenance);
