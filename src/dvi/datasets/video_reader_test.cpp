@@ -21,7 +21,9 @@ cv::Vec3b color_of(int i) { return {static_cast<uchar>(20 + 5 * i), static_cast<
 
 fs::path write_video(const fs::path& file, int frames = kFrames) {
   media::VideoWriter writer(file, {64, 48}, {.crf = 1, .encoder = "mpeg4"});
-  for (int i = 0; i < frames; ++i) writer.push(cv::Mat3b(48, 64, color_of(i)));
+  media::SegmentEncoder segment = writer.new_segment();
+  for (int i = 0; i < frames; ++i) segment.push(cv::Mat3b(48, 64, color_of(i)));
+  writer.append(segment.finish());
   writer.finish();
   return file;
 }

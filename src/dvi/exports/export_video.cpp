@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <utility>
+
 #include <opencv2/core.hpp>
 
 #include "dvi/core/error.h"
@@ -29,12 +32,17 @@ struct CameraVideo {
 void write_video(const Result& result, const CameraVideo& of, const ExportOptions& options, Progress& progress) {
   const cv::Size size = result.size(of.first);
   media::VideoWriter video(of.file, {size.width * (options.beside ? 2 : 1), size.height}, options.video);
-  make_and_use(
-      of.count, [&](std::size_t i) { return picture(result, of.first + i, options.beside); },
-      [&](std::size_t, const cv::Mat3b& frame) {
-        video.push(frame);
-        progress.advance();
-      });
+  const auto encode = [&](std::size_t segment) {
+    media::SegmentEncoder part = video.new_segment();
+    const std::size_t first = segment * media::kSegmentFrames, last = std::min(first + media::kSegmentFrames, of.count);
+    for (std::size_t i = first; i < last; ++i) {
+      part.push(picture(result, of.first + i, options.beside));
+      progress.advance();
+    }
+    return part.finish();
+  };
+  make_and_use((of.count + media::kSegmentFrames - 1) / media::kSegmentFrames, encode,
+               [&](std::size_t, media::VideoSegment part) { video.append(std::move(part)); });
   video.finish();
 }
 

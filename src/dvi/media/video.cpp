@@ -99,129 +99,179 @@ void convert(const cv::Mat3b& image, AVFrame& picture, int top) {
   }
 }
 
-}  // namespace
+void check(int code, const fs::path& path) {
+  if (code >= 0) return;
+  std::array<char, AV_ERROR_MAX_STRING_SIZE> reason{};
+  av_strerror(code, reason.data(), reason.size());
+  throw InputError(path, std::string("cannot be written (") + reason.data() + ")", "free space or choose another folder");
+}
 
-struct VideoWriter::Impl {
+struct Target {
   fs::path path;
   cv::Size size;
-  Draft draft{path, temporary_beside(path)};  // declared before `format`, which has to be closed first
-  std::int64_t count = 0;
-  Format format;
+  VideoOptions options;
+};
+
+Codec open_encoder(const Target& target) {
+  const AVCodec* encoder = find_encoder(target.options.encoder);
+  Codec codec(avcodec_alloc_context3(encoder));
+  codec->width = round_up_to_even(target.size.width);
+  codec->height = round_up_to_even(target.size.height);
+  codec->framerate = av_d2q(target.options.fps, 1000000);
+  codec->time_base = av_inv_q(codec->framerate);
+  codec->thread_count = 1;  // the bytes depend on the number of threads
+  // The format mp4 has one header for all frames.
+  codec->flags |= AV_CODEC_FLAG_BITEXACT | AV_CODEC_FLAG_GLOBAL_HEADER;
+  describe_colors(*codec);
+  if (encoder->id == AV_CODEC_ID_H264) {
+    check(av_opt_set(codec->priv_data, "preset", "veryfast", 0), target.path);
+    check(av_opt_set_double(codec->priv_data, "crf", target.options.crf, 0), target.path);
+    // Macroblock trees make the bytes differ between runs, most often if two encoders work at the same time.
+    check(av_opt_set_int(codec->priv_data, "mbtree", 0, 0), target.path);
+    // In short segments, B frames and the lookahead save no bytes, and keep many frames in memory.
+    codec->max_b_frames = 0;
+    check(av_opt_set_int(codec->priv_data, "rc-lookahead", 0, 0), target.path);
+  } else {
+    codec->flags |= AV_CODEC_FLAG_QSCALE;
+    codec->global_quality = FF_QP2LAMBDA * (1 + target.options.crf / 6);
+  }
+  check(avcodec_open2(codec.get(), encoder, nullptr), target.path);
+  return codec;
+}
+
+}  // namespace
+
+struct VideoSegment::Impl {
+  std::vector<Packet> packets;  // with times from 0, in frames
+  std::int64_t frames = 0;
+};
+
+VideoSegment::VideoSegment(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+VideoSegment::VideoSegment(VideoSegment&&) noexcept = default;
+VideoSegment& VideoSegment::operator=(VideoSegment&&) noexcept = default;
+VideoSegment::~VideoSegment() = default;
+
+struct SegmentEncoder::Impl {
+  Target target;
   Codec codec;
   Picture picture;
-  Packet packet{av_packet_alloc()};
-  AVStream* stream = nullptr;
+  std::unique_ptr<VideoSegment::Impl> encoded = std::make_unique<VideoSegment::Impl>();
 
-  Impl(fs::path place, cv::Size frame_size) : path(std::move(place)), size(frame_size) {}
-
-  void check(int code) const {
-    if (code >= 0) return;
-    std::array<char, AV_ERROR_MAX_STRING_SIZE> reason{};
-    av_strerror(code, reason.data(), reason.size());
-    throw InputError(path, std::string("cannot be written (") + reason.data() + ")", "free space or choose another folder");
+  explicit Impl(const Target& of) : target(of), codec(open_encoder(of)), picture(av_frame_alloc()) {
+    picture->format = codec->pix_fmt;
+    picture->width = codec->width;
+    picture->height = codec->height;
+    check(av_frame_get_buffer(picture.get(), 0), target.path);
   }
 
-  void open(const VideoOptions& options);
-  void open_encoder(const VideoOptions& options);
   void encode(const AVFrame* frame);
 };
 
-void VideoWriter::Impl::open_encoder(const VideoOptions& options) {
-  const AVCodec* encoder = find_encoder(options.encoder);
-  codec.reset(avcodec_alloc_context3(encoder));
-  codec->width = round_up_to_even(size.width);
-  codec->height = round_up_to_even(size.height);
-  codec->framerate = av_d2q(options.fps, 1000000);
-  codec->time_base = av_inv_q(codec->framerate);
-  codec->thread_count = 1;  // the bytes depend on the number of threads
-  codec->flags |= AV_CODEC_FLAG_BITEXACT;
-  if (format->oformat->flags & AVFMT_GLOBALHEADER) codec->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
-  describe_colors(*codec);
-  if (encoder->id == AV_CODEC_ID_H264) {
-    check(av_opt_set(codec->priv_data, "preset", "veryfast", 0));
-    check(av_opt_set_double(codec->priv_data, "crf", options.crf, 0));
-    // Macroblock trees make the bytes differ between runs, most often if two encoders work at the same time.
-    check(av_opt_set_int(codec->priv_data, "mbtree", 0, 0));
-  } else {
-    codec->flags |= AV_CODEC_FLAG_QSCALE;
-    codec->global_quality = FF_QP2LAMBDA * (1 + options.crf / 6);
-  }
-  check(avcodec_open2(codec.get(), encoder, nullptr));
-}
-
-void VideoWriter::Impl::open(const VideoOptions& options) {
-  av_log_set_level(AV_LOG_QUIET);  // the exception reports the error
-  AVFormatContext* raw = nullptr;
-  const std::string url = "file:" + draft.path().string();  // otherwise libav reads the part before a colon as a protocol
-  check(avformat_alloc_output_context2(&raw, nullptr, "mp4", url.c_str()));
-  format.reset(raw);
-  format->flags |= AVFMT_FLAG_BITEXACT;
-  open_encoder(options);
-  stream = avformat_new_stream(format.get(), nullptr);
-  stream->time_base = codec->time_base;
-  stream->avg_frame_rate = codec->framerate;
-  check(avcodec_parameters_from_context(stream->codecpar, codec.get()));
-
-  picture.reset(av_frame_alloc());
-  picture->format = codec->pix_fmt;
-  picture->width = codec->width;
-  picture->height = codec->height;
-  check(av_frame_get_buffer(picture.get(), 0));
-
-  check(avio_open(&format->pb, format->url, AVIO_FLAG_WRITE));
-  AVDictionary* muxer = nullptr;
-  av_dict_set(&muxer, "movflags", "+faststart", 0);
-  const int code = avformat_write_header(format.get(), &muxer);
-  av_dict_free(&muxer);
-  check(code);
-}
-
 /// Encodes a frame, or flushes the encoder if there is none.
-void VideoWriter::Impl::encode(const AVFrame* frame) {
-  check(avcodec_send_frame(codec.get(), frame));
+void SegmentEncoder::Impl::encode(const AVFrame* frame) {
+  check(avcodec_send_frame(codec.get(), frame), target.path);
   for (;;) {
+    Packet packet(av_packet_alloc());
     const int code = avcodec_receive_packet(codec.get(), packet.get());
     if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return;
-    check(code);
+    check(code, target.path);
     packet->duration = 1;
-    av_packet_rescale_ts(packet.get(), codec->time_base, stream->time_base);
-    packet->stream_index = stream->index;
-    check(av_interleaved_write_frame(format.get(), packet.get()));
-    check(format->pb->error);
+    encoded->packets.push_back(std::move(packet));
   }
 }
 
-VideoWriter::VideoWriter(const fs::path& path, cv::Size size, const VideoOptions& options)
-    : impl_(std::make_unique<Impl>(path, size)) {
-  impl_->open(options);
-}
+SegmentEncoder::SegmentEncoder(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+SegmentEncoder::SegmentEncoder(SegmentEncoder&&) noexcept = default;
+SegmentEncoder::~SegmentEncoder() = default;
 
-VideoWriter::~VideoWriter() = default;
+void SegmentEncoder::push(const cv::Mat3b& frame) { push_stacked({frame}); }
 
-void VideoWriter::push(const cv::Mat3b& frame) { push_stacked({frame}); }
-
-void VideoWriter::push_stacked(const std::vector<cv::Mat3b>& images) {
+void SegmentEncoder::push_stacked(const std::vector<cv::Mat3b>& images) {
   Impl& s = *impl_;
   int height = 0;
   for (const cv::Mat3b& image : images) height += round_up_to_even(image.rows);
   for (const cv::Mat3b& image : images)
-    if (image.cols != s.size.width || height != round_up_to_even(s.size.height))
+    if (image.cols != s.target.size.width || height != round_up_to_even(s.target.size.height))
       throw std::logic_error("all frames of a video must have the same size");
-  s.check(av_frame_make_writable(s.picture.get()));
+  check(av_frame_make_writable(s.picture.get()), s.target.path);
   int top = 0;
   for (const cv::Mat3b& image : images) {
     convert(image, *s.picture, top);
     top += round_up_to_even(image.rows);
   }
-  s.picture->pts = s.count++;
+  s.picture->pts = s.encoded->frames++;
   s.encode(s.picture.get());
+}
+
+VideoSegment SegmentEncoder::finish() {
+  impl_->encode(nullptr);
+  return VideoSegment(std::move(impl_->encoded));
+}
+
+struct VideoWriter::Impl {
+  Target target;
+  Draft draft{target.path, temporary_beside(target.path)};  // declared before `format`, which has to be closed first
+  std::int64_t count = 0;
+  Format format;
+  AVRational time_base{};  // duration of a frame in seconds
+  AVStream* stream = nullptr;
+
+  explicit Impl(Target of) : target(std::move(of)) {}
+
+  void open();
+};
+
+void VideoWriter::Impl::open() {
+  const fs::path& path = target.path;
+  av_log_set_level(AV_LOG_QUIET);  // the exception reports the error
+  AVFormatContext* raw = nullptr;
+  const std::string url = "file:" + draft.path().string();  // otherwise libav reads the part before a colon as a protocol
+  check(avformat_alloc_output_context2(&raw, nullptr, "mp4", url.c_str()), path);
+  format.reset(raw);
+  format->flags |= AVFMT_FLAG_BITEXACT;
+  const Codec codec = open_encoder(target);
+  time_base = codec->time_base;
+  stream = avformat_new_stream(format.get(), nullptr);
+  stream->time_base = codec->time_base;
+  stream->avg_frame_rate = codec->framerate;
+  check(avcodec_parameters_from_context(stream->codecpar, codec.get()), path);
+
+  check(avio_open(&format->pb, format->url, AVIO_FLAG_WRITE), path);
+  AVDictionary* muxer = nullptr;
+  av_dict_set(&muxer, "movflags", "+faststart", 0);
+  const int code = avformat_write_header(format.get(), &muxer);
+  av_dict_free(&muxer);
+  check(code, path);
+}
+
+VideoWriter::VideoWriter(const fs::path& path, cv::Size size, const VideoOptions& options)
+    : impl_(std::make_unique<Impl>(Target{path, size, options})) {
+  impl_->open();
+}
+
+VideoWriter::~VideoWriter() = default;
+
+SegmentEncoder VideoWriter::new_segment() const {
+  return SegmentEncoder(std::make_unique<SegmentEncoder::Impl>(impl_->target));
+}
+
+void VideoWriter::append(VideoSegment segment) {
+  Impl& s = *impl_;
+  for (Packet& packet : segment.impl_->packets) {
+    packet->pts += s.count;
+    packet->dts += s.count;
+    av_packet_rescale_ts(packet.get(), s.time_base, s.stream->time_base);
+    packet->stream_index = s.stream->index;
+    check(av_interleaved_write_frame(s.format.get(), packet.get()), s.target.path);
+    check(s.format->pb->error, s.target.path);
+  }
+  s.count += segment.impl_->frames;
 }
 
 void VideoWriter::finish() {
   Impl& s = *impl_;
-  s.encode(nullptr);
-  s.check(av_write_trailer(s.format.get()));
-  s.check(avio_closep(&s.format->pb));
+  check(av_write_trailer(s.format.get()), s.target.path);
+  check(avio_closep(&s.format->pb), s.target.path);
   s.draft.finish();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
@@ -24,9 +25,48 @@ struct VideoOptions {
   }
 };
 
-/// Writes an mp4 (yuv420p, BT.709, playable while it loads) frame by frame, without keeping frames. Equal frames give equal
-/// bytes. Odd sizes get a repeated last column or row, because players require even sizes. Throws InputError on a full or
-/// read-only disk. Leaves no file behind if it is destroyed without finish().
+/// Number of frames that callers encode together: seeking in the video is fast, and several segments keep several threads busy.
+inline constexpr std::size_t kSegmentFrames = 16;
+
+/// Consecutive encoded frames of a video, which can be decoded without any others.
+class VideoSegment {
+ public:
+  VideoSegment(VideoSegment&&) noexcept;
+  VideoSegment& operator=(VideoSegment&&) noexcept;
+  ~VideoSegment();
+
+ private:
+  friend class SegmentEncoder;
+  friend class VideoWriter;
+  struct Impl;
+  explicit VideoSegment(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Encodes the frames of one segment. Segments are independent of each other, so that several threads can encode those of a
+/// video.
+class SegmentEncoder {
+ public:
+  SegmentEncoder(SegmentEncoder&&) noexcept;
+  ~SegmentEncoder();
+
+  /// Adds a frame of the size of the video.
+  void push(const cv::Mat3b& frame);
+  /// Adds images stacked vertically, each extended to an even number of rows; together they have the size of the video.
+  void push_stacked(const std::vector<cv::Mat3b>& images);
+  /// Returns all frames that were added. To be called once, at the end.
+  VideoSegment finish();
+
+ private:
+  friend class VideoWriter;
+  struct Impl;
+  explicit SegmentEncoder(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Writes an mp4 (yuv420p, BT.709, playable while it loads) segment by segment, without keeping frames. Equal frames in equal
+/// segments give equal bytes. Odd sizes get a repeated last column or row, because players require even sizes. Throws
+/// InputError on a full or read-only disk. Leaves no file behind if it is destroyed without finish().
 class VideoWriter {
  public:
   VideoWriter(const fs::path& path, cv::Size size, const VideoOptions& options = {});
@@ -34,11 +74,10 @@ class VideoWriter {
   VideoWriter(const VideoWriter&) = delete;
   VideoWriter& operator=(const VideoWriter&) = delete;
 
-  /// Adds a frame of the size given to the constructor.
-  void push(const cv::Mat3b& frame);
-  /// Adds images stacked vertically, each extended to an even number of rows; together they have the size given to the
-  /// constructor.
-  void push_stacked(const std::vector<cv::Mat3b>& images);
+  /// Begins a segment. May be called from any thread.
+  SegmentEncoder new_segment() const;
+  /// Adds the frames of a segment.
+  void append(VideoSegment segment);
   /// Completes the video and moves it to its path.
   void finish();
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <iterator>
 #include <stdexcept>
 #include <string>
@@ -80,11 +81,19 @@ cv::Mat3b picture(cv::Size size, int i) {
   return image;
 }
 
+void append(VideoWriter& video, const std::function<void(SegmentEncoder&)>& push_frames) {
+  SegmentEncoder segment = video.new_segment();
+  push_frames(segment);
+  video.append(segment.finish());
+}
+
 class Video : public testing::Test {
  protected:
   fs::path write(const std::string& name, cv::Size size, int frames, const VideoOptions& options = {}) const {
     VideoWriter video(folder / name, size, options);
-    for (int i = 0; i < frames; ++i) video.push(picture(size, i));
+    append(video, [&](SegmentEncoder& segment) {
+      for (int i = 0; i < frames; ++i) segment.push(picture(size, i));
+    });
     video.finish();
     return folder / name;
   }
@@ -111,6 +120,33 @@ TEST_F(Video, DecodesToThePushedFrames) {
   }
 }
 
+// Frames of segments of all lengths follow each other, and each segment can be decoded on its own.
+TEST_F(Video, ConsistsOfSegmentsOfAnyLength) {
+  const cv::Size size(96, 64);
+  for (const char* encoder : {"auto", "mpeg4"}) {
+    VideoWriter video(folder / "a.mp4", size, {.encoder = encoder});
+    const std::vector<int> lengths{7, 1, 2, 3, 40, 1};
+    std::vector<VideoSegment> segments;
+    int first = 0;
+    for (const int length : lengths) {
+      SegmentEncoder segment = video.new_segment();
+      for (int i = first; i < first + length; ++i) segment.push(picture(size, i));
+      segments.push_back(segment.finish());
+      first += length;
+    }
+    for (VideoSegment& segment : segments) video.append(std::move(segment));
+    video.finish();
+    const Decoded decoded = decode(folder / "a.mp4");
+    ASSERT_EQ(decoded.luma.size(), static_cast<std::size_t>(first)) << encoder;
+    for (int i = 0; i < first; ++i) {
+      cv::Mat1b gray, expected;
+      cv::extractChannel(picture(size, i), gray, 0);
+      gray.convertTo(expected, CV_8U, 219.0 / 255.0, 16);
+      EXPECT_LT(cv::norm(decoded.luma[static_cast<std::size_t>(i)], expected, cv::NORM_L1) / size.area(), 2.0) << encoder << i;
+    }
+  }
+}
+
 TEST_F(Video, HasEqualBytesForEqualFrames) {
   EXPECT_EQ(read_file(write("a.mp4", {96, 64}, 20)), read_file(write("b.mp4", {96, 64}, 20)));
 }
@@ -122,12 +158,14 @@ TEST_F(Video, DependsOnThePixelsOnly) {
   parallel_for(names.size(), [&](std::size_t k) {
     VideoWriter video(folder / names[k], {size.width, 132});
     const auto around = static_cast<uchar>(80 * k);
-    for (int i = 0; i < 20; ++i) {
-      cv::Mat3b large(size.height + 2, size.width + 32, cv::Vec3b::all(around));
-      const cv::Mat3b image = large(cv::Rect({0, 0}, size));
-      picture(size, i).copyTo(image);
-      video.push_stacked({image, image});
-    }
+    append(video, [&](SegmentEncoder& segment) {
+      for (int i = 0; i < 20; ++i) {
+        cv::Mat3b large(size.height + 2, size.width + 32, cv::Vec3b::all(around));
+        const cv::Mat3b image = large(cv::Rect({0, 0}, size));
+        picture(size, i).copyTo(image);
+        segment.push_stacked({image, image});
+      }
+    });
     video.finish();
   });
   for (const std::string& name : names) EXPECT_EQ(read_file(folder / name), read_file(folder / names[0])) << name;
@@ -153,7 +191,9 @@ TEST_F(Video, HasTheColorsOfTheStandard) {
   const std::vector<std::pair<cv::Vec3b, int>> cases{
       {{255, 255, 255}, 235}, {{0, 0, 0}, 16}, {{0, 0, 255}, 63}, {{0, 255, 0}, 173}, {{255, 0, 0}, 32}};
   VideoWriter video(folder / "a.mp4", size, {.crf = 1});
-  for (const auto& [color, luma] : cases) video.push(cv::Mat3b(size, color));
+  append(video, [&](SegmentEncoder& segment) {
+    for (const auto& [color, luma] : cases) segment.push(cv::Mat3b(size, color));
+  });
   video.finish();
   const Decoded decoded = decode(folder / "a.mp4");
   ASSERT_EQ(decoded.luma.size(), cases.size());
@@ -163,8 +203,10 @@ TEST_F(Video, HasTheColorsOfTheStandard) {
 TEST_F(Video, BeginsStackedImagesOnEvenRows) {
   const cv::Size size(97, 65);
   VideoWriter video(folder / "a.mp4", {97, 132});
-  video.push_stacked({cv::Mat3b(size, cv::Vec3b::all(0)), cv::Mat3b(size, cv::Vec3b::all(255))});
-  EXPECT_THROW(video.push_stacked({cv::Mat3b(size)}), std::logic_error);
+  append(video, [&](SegmentEncoder& segment) {
+    segment.push_stacked({cv::Mat3b(size, cv::Vec3b::all(0)), cv::Mat3b(size, cv::Vec3b::all(255))});
+    EXPECT_THROW(segment.push_stacked({cv::Mat3b(size)}), std::logic_error);
+  });
   video.finish();
   const Decoded decoded = decode(folder / "a.mp4");
   ASSERT_EQ(decoded.size, cv::Size(98, 132));
@@ -184,7 +226,7 @@ TEST_F(Video, IsLargerWithLowerCrfAndSupportsMpeg4) {
 TEST_F(Video, ExistsOnlyAfterFinish) {
   {
     VideoWriter video(folder / "a.mp4", {96, 64});
-    video.push(picture({96, 64}, 0));
+    append(video, [&](SegmentEncoder& segment) { segment.push(picture({96, 64}, 0)); });
     EXPECT_FALSE(fs::exists(folder / "a.mp4"));
   }
   EXPECT_EQ(files(), 0U);

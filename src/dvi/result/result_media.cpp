@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
@@ -19,7 +20,7 @@ namespace {
 
 constexpr std::size_t kSheetRows = 8;
 constexpr int kCellWidthPx = 480;
-constexpr std::size_t kVideoBytesPerPixel = 14;  // memory of a frame while the videos are written
+constexpr std::size_t kVideoBytesPerPixel = 140;  // memory of two encoders, which keep some frames, and of a frame
 
 /// Returns "NAME  copied 22 %  interpolated 78 %".
 std::string caption_of(const cv::Mat1b& kind, const std::string& name) {
@@ -47,13 +48,6 @@ cv::Mat3b mark_input(const cv::Mat3b& input, const cv::Mat1b& kind, const std::s
   return out;
 }
 
-/// The images of a frame in the videos.
-struct MediaFrame {
-  cv::Mat3b input, result;
-  cv::Mat1b kind;
-  cv::Mat3b marked;  ///< the input with the outline of the hole
-};
-
 /// Makes a row of the contact sheet: the whole frame, then the part with most removed pixels in full size.
 std::vector<media::SheetCell> make_sheet_row(const cv::Mat3b& input, const cv::Mat3b& result, const cv::Mat1b& kind,
                                              const std::string& name) {
@@ -80,28 +74,30 @@ void write_media(const fs::path& out, const FinishedFrames& frames, const media:
   const fs::path folder = out / camera;
   media::VideoWriter video(folder / "video.mp4", size, options);
   media::VideoWriter compare(folder / "compare.mp4", {size.width, 2 * (size.height + size.height % 2)}, options);
-  const std::size_t rows = std::min(kSheetRows, names.size());
-  std::vector<std::vector<media::SheetCell>> sheet;
-  std::vector<MediaFrame> items(names.size());
-  const auto read = [&](std::size_t i) {
-    items[i] = {frames.read_input(i),
-                media::read_image(out / picture_file("frames", names[i]), size),
-                media::read_png_gray(out / picture_file("kind", names[i]), size),
-                {}};
-    items[i].marked = mark_input(items[i].input, items[i].kind, names[i]);
+  std::vector<std::vector<media::SheetCell>> sheet(std::min(kSheetRows, names.size()));
+  // Rows evenly spread over the drive, the first and the last frame among them.
+  const auto frame_of_row = [&](std::size_t row) {
+    return sheet.size() > 1 ? row * (names.size() - 1) / (sheet.size() - 1) : 0;
   };
-  const auto finish = [&](std::size_t i) {
-    compare.push_stacked({items[i].marked, items[i].result});
-    // Rows evenly spread over the drive, the first and the last frame among them.
-    if (sheet.size() < rows && i == (rows > 1 ? sheet.size() * (names.size() - 1) / (rows - 1) : 0))
-      sheet.push_back(make_sheet_row(items[i].input, items[i].result, items[i].kind, names[i]));
-    items[i] = {};
-    tick();
+  const auto encode = [&](std::size_t segment) {
+    media::SegmentEncoder result_part = video.new_segment(), compare_part = compare.new_segment();
+    const std::size_t first = segment * media::kSegmentFrames, last = std::min(first + media::kSegmentFrames, names.size());
+    for (std::size_t i = first; i < last; ++i) {
+      const cv::Mat3b input = frames.read_input(i), result = media::read_image(out / picture_file("frames", names[i]), size);
+      const cv::Mat1b kind = media::read_png_gray(out / picture_file("kind", names[i]), size);
+      result_part.push(result);
+      compare_part.push_stacked({mark_input(input, kind, names[i]), result});
+      for (std::size_t row = 0; row < sheet.size(); ++row)
+        if (frame_of_row(row) == i) sheet[row] = make_sheet_row(input, result, kind, names[i]);
+      tick();
+    }
+    return std::pair(result_part.finish(), compare_part.finish());
   };
-  run_pipeline(names.size(),
-               {{PipelineStep::Order::any, read},
-                {PipelineStep::Order::ascending, [&](std::size_t i) { video.push(items[i].result); }},
-                {PipelineStep::Order::ascending, finish}},
+  make_and_use((names.size() + media::kSegmentFrames - 1) / media::kSegmentFrames, encode,
+               [&](std::size_t, std::pair<media::VideoSegment, media::VideoSegment> parts) {
+                 video.append(std::move(parts.first));
+                 compare.append(std::move(parts.second));
+               },
                kVideoBytesPerPixel * static_cast<std::size_t>(size.area()));
   video.finish();
   compare.finish();
