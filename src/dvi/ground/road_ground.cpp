@@ -121,4 +121,29 @@ std::optional<double> RoadGround::height(const Eigen::Vector2d& position) const 
   return at && found() ? std::optional(height(at->x(), at->y())) : std::nullopt;
 }
 
+std::optional<RoadPlane> RoadPlane::below(const RoadGround& ground, const SE3& world_from_camera) {
+  const Eigen::Vector2d camera = world_from_camera.t.head<2>();
+  const std::optional<Eigen::Vector2d> here = ground.found() ? ground.road().locate(camera) : std::nullopt;
+  if (!here) return std::nullopt;
+  RoadPlane out(ground.road());
+  out.camera_ = camera;
+  out.along_ = ground.road().direction(here->x());
+  out.below_m_ = world_from_camera.t.z() - ground.height(here->x() + kRoadGround.plane_ahead_m, 0);
+  return out;
+}
+
+std::optional<Eigen::Vector2d> RoadPlane::meet(const Eigen::Vector3d& ray) const {
+  if (!(ray.z() < 0)) return std::nullopt;
+  const double scale = below_m_ / -ray.z();
+  if (scale > kRoadGround.max_plane_m) return std::nullopt;
+  return scale * ray.head<2>();
+}
+
+bool RoadPlane::is_in_lane(const Eigen::Vector3d& ray) const {
+  const std::optional<Eigen::Vector2d> found = meet(ray);
+  if (!found) return false;
+  const std::optional<Eigen::Vector2d> at = road_->locate(camera_ + *found);
+  return at && std::abs(at->y()) < kRoadGround.lane_half_width_m;
+}
+
 }  // namespace dvi::ground

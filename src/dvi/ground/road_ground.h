@@ -3,6 +3,9 @@
 #include <optional>
 #include <vector>
 
+#include <Eigen/Core>
+
+#include "dvi/geometry/se3.h"
 #include "dvi/ground/road_frame.h"
 #include "dvi/map/static_map.h"
 
@@ -18,6 +21,8 @@ struct RoadGroundParams {
   double max_curb_m = 0.35;      ///< height difference beside the lane ...
   double max_slope = 0.06;       ///< ... plus this share of the distance from the path
   int min_points = 3;            ///< of a square
+  double plane_ahead_m = 8;      ///< distance ahead of a camera at which its RoadPlane has the height of the ground
+  double max_plane_m = 80;       ///< largest distance at which the ground is such a plane
 };
 inline constexpr RoadGroundParams kRoadGround;
 
@@ -40,6 +45,31 @@ class RoadGround {
   RoadFrame road_;
   std::vector<float> lane_;    // per square along the path
   std::vector<float> beside_;  // relative to lane_, one row of squares per square along the path
+};
+
+/// The level plane of the road ahead of a camera.
+class RoadPlane {
+ public:
+  /// Returns the plane for a camera; nothing without ground, or if the camera is too far from the road.
+  static std::optional<RoadPlane> below(const RoadGround& ground, const SE3& world_from_camera);
+
+  /// Returns the horizontal displacement in meters from the camera to the point in which a ray (in the world) meets the plane;
+  /// nothing above the horizon or too far away.
+  std::optional<Eigen::Vector2d> meet(const Eigen::Vector3d& ray) const;
+  /// Returns whether a ray meets the plane in the lane, extended straight ahead: nothing upright is there, because the camera
+  /// drives along it.
+  bool is_in_lane(const Eigen::Vector3d& ray) const;
+  /// Returns the height of the camera above the plane in meters.
+  double below_m() const { return below_m_; }
+  /// Returns the unit vector along the road at the camera.
+  const Eigen::Vector2d& along() const { return along_; }
+
+ private:
+  explicit RoadPlane(const RoadFrame& road) : road_(&road) {}
+
+  const RoadFrame* road_;
+  Eigen::Vector2d camera_, along_;
+  double below_m_ = 0;
 };
 
 }  // namespace dvi::ground

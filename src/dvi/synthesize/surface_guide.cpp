@@ -23,10 +23,8 @@ using harmonize::Kind, harmonize::SurfaceClass;
 /// Parameters of the surfaces.
 struct SurfaceGuideParams {
   double max_ground_height_m = 0.35;  ///< Largest height above the ground; no curb is higher.
-  double lane_half_width_m = 2;       ///< Distance from the path of the camera within which there is only road.
   double max_blind_m = 15;            ///< Distance of ground up to which no beam of the LiDAR may hit it.
   int median_px = 7;                  ///< Side of the square whose prevailing group a pixel of the hole has.
-  double max_depth_m = 80;            ///< Largest depth of the plane of the ground.
 };
 constexpr SurfaceGuideParams kSurfaceGuide;
 
@@ -37,28 +35,22 @@ class Surfaces {
         view_(view),
         classes_(frame.classes),
         ground_(frame.ground),
-        world_from_camera_(view.camera_from_world.inverse()) {
-    const auto here =
-        ground_.found() && view.sensor == Sensor::lidar ? ground_.road().locate(world_from_camera_.t.head<2>()) : std::nullopt;
-    if (!here) return;
-    has_ground_ = true;
-    below_m_ = world_from_camera_.t.z() - ground_.height(here->x() + 8, 0);
-    along_ = ground_.road().direction(here->x());
-  }
+        world_from_camera_(view.camera_from_world.inverse()),
+        plane_(view.sensor == Sensor::lidar ? ground::RoadPlane::below(ground_, world_from_camera_) : std::nullopt) {}
 
   Group group_of(cv::Point p) const {
     const float z = frame_.depth(p);
     const bool is_hole = frame_.kind(p) >= static_cast<uchar>(Kind::interpolated);
     if (z == depth::DepthMap::kInfinity) return Group::upright;
-    if (!has_ground_) return Group::upright;
+    if (!plane_) return Group::upright;
     const Eigen::Vector3d ray = world_from_camera_.R * view_.camera.ray({p.x, p.y});
-    if (is_hole && is_in_lane(ray)) return Group::ground;
+    if (is_hole && plane_->is_in_lane(ray)) return Group::ground;
     if (is_hole && !classes_.empty() && classes_(p) != static_cast<uchar>(SurfaceClass::unknown))
       return classes_(p) == static_cast<uchar>(SurfaceClass::ground) ? Group::ground : Group::upright;
     if (!depth::DepthMap::is_solid(z)) {
       if (is_hole) return ray.z() < 0 ? Group::ground : Group::upright;
       if (z == depth::DepthMap::kSky || ray.z() >= 0) return Group::upright;
-      return -below_m_ / ray.z() < kSurfaceGuide.max_blind_m ? Group::ground : Group::none;
+      return -plane_->below_m() / ray.z() < kSurfaceGuide.max_blind_m ? Group::ground : Group::none;
     }
     const Eigen::Vector3d point = world_from_camera_.t + z * ray;
     const auto height = ground_.height(Eigen::Vector2d(point.head<2>()));
@@ -68,38 +60,19 @@ class Surfaces {
 
   cv::Vec2f ground_of(cv::Point p) const {
     constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-    if (!has_ground_) return {kNan, kNan};
-    const auto found = meet_plane(world_from_camera_.R * view_.camera.ray({p.x, p.y}));
+    const auto found = plane_ ? plane_->meet(world_from_camera_.R * view_.camera.ray({p.x, p.y})) : std::nullopt;
     if (!found) return {kNan, kNan};
-    const Eigen::Vector2d& at = *found;
-    return {static_cast<float>(at.dot(along_)), static_cast<float>(along_.x() * at.y() - along_.y() * at.x())};
+    const Eigen::Vector2d &at = *found, &along = plane_->along();
+    return {static_cast<float>(at.dot(along)), static_cast<float>(along.x() * at.y() - along.y() * at.x())};
   }
 
  private:
-  /// Whether a ray meets the plane of the ground in the lane: nothing upright is there, because the camera drove along it.
-  bool is_in_lane(const Eigen::Vector3d& ray) const {
-    const auto found = meet_plane(ray);
-    if (!found) return false;
-    const auto at = ground_.road().locate(world_from_camera_.t.head<2>() + *found);
-    return at && std::abs(at->y()) < kSurfaceGuide.lane_half_width_m;
-  }
-
-  /// Returns the horizontal displacement from the camera to the point in which a ray meets the plane of the ground.
-  std::optional<Eigen::Vector2d> meet_plane(const Eigen::Vector3d& ray) const {
-    if (!(ray.z() < 0)) return std::nullopt;
-    const double z = below_m_ / -ray.z();
-    if (z > kSurfaceGuide.max_depth_m) return std::nullopt;
-    return z * ray.head<2>();
-  }
-
   const harmonize::FilledFrame& frame_;
   const View& view_;
   const cv::Mat1b& classes_;
   const ground::RoadGround& ground_;
   SE3 world_from_camera_;
-  bool has_ground_ = false;
-  double below_m_ = 0;
-  Eigen::Vector2d along_;
+  std::optional<ground::RoadPlane> plane_;
 };
 
 }  // namespace
