@@ -16,8 +16,8 @@ namespace dvi::ground {
 /// path is split; its pieces follow each other in these coordinates, so that wrong poses do not increase its cost.
 class RoadFrame {
  public:
-  static constexpr double kExtensionM = 70;  ///< length of the straight line at each end
-  static constexpr double kHalfWidthM = 20;  ///< largest distance from the path
+  static constexpr double kExtensionM = 150;  ///< length of the straight line at each end
+  static constexpr double kHalfWidthM = 20;   ///< largest distance from the path
 
   /// Follows the cameras of the target.
   explicit RoadFrame(const Views& views);

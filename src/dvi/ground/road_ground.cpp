@@ -118,7 +118,9 @@ double RoadGround::height(double along, double left) const {
 
 std::optional<double> RoadGround::height(const Eigen::Vector2d& position) const {
   const std::optional<Eigen::Vector2d> at = road_.locate(position);
-  return at && found() ? std::optional(height(at->x(), at->y())) : std::nullopt;
+  if (!at || !found()) return std::nullopt;
+  const double beyond_m = RoadFrame::kExtensionM - std::min(at->x(), road_.length() - at->x());
+  return beyond_m < kRoadGround.max_beyond_m ? std::optional(height(at->x(), at->y())) : std::nullopt;
 }
 
 std::optional<RoadPlane> RoadPlane::below(const RoadGround& ground, const SE3& world_from_camera) {
@@ -132,17 +134,20 @@ std::optional<RoadPlane> RoadPlane::below(const RoadGround& ground, const SE3& w
   return out;
 }
 
-std::optional<Eigen::Vector2d> RoadPlane::meet(const Eigen::Vector3d& ray) const {
+std::optional<Eigen::Vector2d> RoadPlane::meet(const Eigen::Vector3d& ray, double max_m) const {
   if (!(ray.z() < 0)) return std::nullopt;
   const double scale = below_m_ / -ray.z();
-  if (scale > kRoadGround.max_plane_m) return std::nullopt;
+  if (scale > max_m) return std::nullopt;
   return scale * ray.head<2>();
 }
 
-bool RoadPlane::is_in_lane(const Eigen::Vector3d& ray) const {
-  const std::optional<Eigen::Vector2d> found = meet(ray);
-  if (!found) return false;
-  const std::optional<Eigen::Vector2d> at = road_->locate(camera_ + *found);
+std::optional<double> RoadPlane::meet_lane(const Eigen::Vector3d& ray) const {
+  const std::optional<Eigen::Vector2d> found = meet(ray, kRoadGround.max_lane_m);
+  return found && is_in_lane(camera_ + *found) ? std::optional(found->norm()) : std::nullopt;
+}
+
+bool RoadPlane::is_in_lane(const Eigen::Vector2d& position) const {
+  const std::optional<Eigen::Vector2d> at = road_->locate(position);
   return at && std::abs(at->y()) < kRoadGround.lane_half_width_m;
 }
 

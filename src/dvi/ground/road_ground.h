@@ -23,6 +23,8 @@ struct RoadGroundParams {
   int min_points = 3;            ///< of a square
   double plane_ahead_m = 8;      ///< distance ahead of a camera at which its RoadPlane has the height of the ground
   double max_plane_m = 80;       ///< largest distance at which the ground is such a plane
+  double max_lane_m = 150;       ///< largest distance at which a ray that meets this plane shows the lane
+  double max_beyond_m = 70;      ///< distance before the first and after the last camera up to which the height is known
 };
 inline constexpr RoadGroundParams kRoadGround;
 
@@ -55,10 +57,12 @@ class RoadPlane {
 
   /// Returns the horizontal displacement in meters from the camera to the point in which a ray (in the world) meets the plane;
   /// nothing above the horizon or too far away.
-  std::optional<Eigen::Vector2d> meet(const Eigen::Vector3d& ray) const;
-  /// Returns whether a ray meets the plane in the lane, extended straight ahead: nothing upright is there, because the camera
-  /// drives along it.
-  bool is_in_lane(const Eigen::Vector3d& ray) const;
+  std::optional<Eigen::Vector2d> meet(const Eigen::Vector3d& ray, double max_m = kRoadGround.max_plane_m) const;
+  /// Returns the distance in meters at which a ray meets the plane in the lane, which is extended straight ahead; nothing if it
+  /// does not. The camera drives along the lane, so that nothing stationary is there.
+  std::optional<double> meet_lane(const Eigen::Vector3d& ray) const;
+  /// Returns whether a position is in the lane.
+  bool is_in_lane(const Eigen::Vector2d& position) const;
   /// Returns the height of the camera above the plane in meters.
   double below_m() const { return below_m_; }
   /// Returns the unit vector along the road at the camera.

@@ -42,7 +42,8 @@ class Classifier {
         depth_(target.depth),
         candidates_(candidates),
         ground_(ground),
-        world_from_camera_(view_.camera_from_world.inverse()) {}
+        world_from_camera_(view_.camera_from_world.inverse()),
+        road_(ground::RoadPlane::below(ground, world_from_camera_)) {}
 
   /// Classifies a pixel. The depth of a copied pixel is used in spite of its uncertainty, because it was verified by the
   /// source.
@@ -53,7 +54,7 @@ class Classifier {
     if (z == depth::DepthMap::kInfinity) return {SurfaceClass::upright, true};
     const Eigen::Vector3d ray = view_.camera.ray(Eigen::Vector2d(p.x, p.y));
     if (!depth::DepthMap::is_solid(z) || (!copied && depth_.sigma(p) > kSurfaceClass.max_relative_sigma * z))
-      return (world_from_camera_.R * ray).z() > 0 ? PixelClass{SurfaceClass::upright, true} : PixelClass{};
+      return classify_without_depth(world_from_camera_.R * ray, i >= 0);
     const Eigen::Vector3d point = world_from_camera_ * Eigen::Vector3d(z * ray);
     const std::optional<double> ground = ground_.height(Eigen::Vector2d(point.head<2>()));
     if (!ground) return {};
@@ -63,11 +64,19 @@ class Classifier {
   }
 
  private:
+  /// Unobserved pixels without depth show the road as far as the lane reaches.
+  PixelClass classify_without_depth(const Eigen::Vector3d& ray, bool is_hole) const {
+    if (ray.z() > 0) return {SurfaceClass::upright, true};
+    if (is_hole && road_ && road_->meet_lane(ray)) return {SurfaceClass::ground, true};
+    return {};
+  }
+
   const View& view_;
   const depth::DepthMap& depth_;
   const sample::Candidates& candidates_;
   const ground::RoadGround& ground_;
   SE3 world_from_camera_;
+  std::optional<ground::RoadPlane> road_;
 };
 
 constexpr uchar to_byte(SurfaceClass c) { return static_cast<uchar>(c); }

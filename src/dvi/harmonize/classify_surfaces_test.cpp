@@ -8,54 +8,34 @@
 
 #include "dvi/harmonize/surface_class.h"
 #include "dvi/image/region.h"
-#include "dvi/map/static_map.h"
-#include "dvi/testing/memory_views.h"
+#include "dvi/testing/level_road.h"
 
 namespace dvi::harmonize {
 namespace {
 
-constexpr double kCameraHeight = 1.6;  // meters of the camera above the ground
-constexpr int kStreetColumns = 320, kStreetRows = 120;
-
 /// A level road that ends at a wall 30 m ahead of the first camera, and a trunk at 8 m.
-struct RoadWithWall {
-  std::vector<View> views;
-  map::StaticMap map;
-  depth::DepthMap depth{cv::Mat1f(kStreetRows, kStreetColumns, 0.0F), cv::Mat1f(kStreetRows, kStreetColumns, 0.05F)};
-  cv::Mat1b truth = cv::Mat1b(kStreetRows, kStreetColumns, static_cast<uchar>(SurfaceClass::upright));
+struct RoadWithWall : LevelRoad {
+  depth::DepthMap depth{cv::Mat1f(kRows, kColumns, 0.0F), cv::Mat1f(kRows, kColumns, 0.05F)};
+  cv::Mat1b truth = cv::Mat1b(kRows, kColumns, static_cast<uchar>(SurfaceClass::upright));
   static constexpr double kWall = 30, kTrunk = 8;
   static constexpr int kTrunkFrom = 200, kTrunkTo = 215;  // columns
 
   RoadWithWall() {
-    for (int i = 0; i < 12; ++i) {
-      View view;
-      view.camera = {kStreetColumns, kStreetRows, 250, 250, 159.5, 39.5, {}};
-      view.camera_from_world.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
-      view.camera_from_world.t = -(view.camera_from_world.R * Eigen::Vector3d(i, 0, 0));
-      views.push_back(view);
-    }
-    for (double x = -20; x < 60; x += 0.5)
-      for (double y = -12; y < 12; y += 0.5) {
-        map::MapPoint point;
-        point.position = Eigen::Vector3d(x, y, -kCameraHeight).cast<float>();
-        point.normal = Eigen::Vector3f::UnitZ();
-        map.points.push_back(point);
-      }
-    for (int y = 0; y < kStreetRows; ++y)
-      for (int x = 0; x < kStreetColumns; ++x) {
-        const double fall = (y - 39.5) / 250, ahead = x >= kTrunkFrom && x < kTrunkTo ? kTrunk : kWall;
-        const bool ground = fall > 0 && kCameraHeight / fall < ahead;
-        depth.z(y, x) = static_cast<float>(ground ? kCameraHeight / fall : ahead);
-        if (kCameraHeight - depth.z(y, x) * fall < 0.35) truth(y, x) = static_cast<uchar>(SurfaceClass::ground);
+    for (int y = 0; y < kRows; ++y)
+      for (int x = 0; x < kColumns; ++x) {
+        const double fall = descent(y), ahead = x >= kTrunkFrom && x < kTrunkTo ? kTrunk : kWall;
+        const bool ground = fall > 0 && kCameraHeightM / fall < ahead;
+        depth.z(y, x) = static_cast<float>(ground ? kCameraHeightM / fall : ahead);
+        if (kCameraHeightM - depth.z(y, x) * fall < 0.35) truth(y, x) = static_cast<uchar>(SurfaceClass::ground);
       }
   }
 
   /// A hole that no source observed.
   cv::Mat1b classes(const cv::Rect& hole) const {
-    cv::Mat1b mask(kStreetRows, kStreetColumns, uchar{0});
+    cv::Mat1b mask(kRows, kColumns, uchar{0});
     mask(hole) = 255;
     const sample::Candidates candidates{Region(mask), std::vector<sample::Candidate>(hole.area())};
-    const Views all = memory_views(views, std::vector<cv::Mat3b>(views.size()), std::vector<cv::Mat1b>(views.size()));
+    const Views all = memory();
     return classify_surfaces({all, 0, depth, {}}, candidates, ground::RoadGround(map, all));
   }
   int count_wrong(const cv::Mat1b& found, const cv::Rect& where) const {
@@ -65,7 +45,7 @@ struct RoadWithWall {
 
 TEST(ClassifySurfaces, FollowsTheDepth) {
   const RoadWithWall street;
-  const cv::Rect hole(100, 20, 150, 80), surroundings(80, 0, 190, kStreetRows);
+  const cv::Rect hole(100, 20, 150, 80), surroundings(80, 0, 190, LevelRoad::kRows);
   EXPECT_LT(street.count_wrong(street.classes(hole), surroundings), surroundings.width) << "within a row";
   EXPECT_EQ(cv::countNonZero(street.classes(hole).colRange(0, 70)), 0) << "unknown far from the hole";
 }
@@ -79,6 +59,19 @@ TEST(ClassifySurfaces, PropagatesClassesWhereDepthIsUnknown) {
   }
 }
 
+// Vehicles ahead hide the road; upright surfaces at both sides of the lane do not close it.
+TEST(ClassifySurfaces, ContinuesTheLaneBetweenUprightSurfaces) {
+  RoadWithWall street;
+  const cv::Rect hole(110, 41, 80, 12);  // the foot of the wall
+  street.depth.z(hole) = depth::DepthMap::kUnknown;
+  const cv::Mat1b found = street.classes(hole);
+  EXPECT_EQ(found(48, 159), static_cast<uchar>(SurfaceClass::ground)) << "47 m ahead in the lane";
+  EXPECT_EQ(found(43, 159), static_cast<uchar>(SurfaceClass::ground)) << "114 m ahead";
+  EXPECT_EQ(found(48, 115), static_cast<uchar>(SurfaceClass::upright)) << "beside the lane";
+  street.depth.z(hole) = 30.0F;  // observed
+  EXPECT_EQ(street.classes(hole)(48, 159), static_cast<uchar>(SurfaceClass::upright));
+}
+
 TEST(ClassifySurfaces, IgnoresUncertainDepth) {
   RoadWithWall street;
   const cv::Rect hole(60, 30, 80, 50);
@@ -90,7 +83,7 @@ TEST(ClassifySurfaces, IgnoresUncertainDepth) {
 
 TEST(ClassifySurfaces, DoesNotPropagateATrunkBesideTheHole) {
   RoadWithWall street;
-  const cv::Rect hole(150, 30, 50, 50);  // up to the trunk
+  const cv::Rect hole(180, 30, 20, 50);  // from the lane up to the trunk
   street.depth.z(hole) = depth::DepthMap::kUnknown;
   EXPECT_LT(street.count_wrong(street.classes(hole), hole), 3 * hole.width);
 }

@@ -20,6 +20,8 @@
 #include "dvi/harmonize/fuse.h"
 #include "dvi/harmonize/known_copies.h"
 #include "dvi/harmonize/limit_colors.h"
+#include "dvi/harmonize/provenance.h"
+#include "dvi/harmonize/road_colors.h"
 #include "dvi/harmonize/screening.h"
 #include "dvi/harmonize/surface_class.h"
 #include "dvi/image/interpolate.h"
@@ -142,6 +144,7 @@ struct Guidance {
   bool seams = true;   ///< Whether gradients between pixels with different sources are read from the sources; else they are 0.
   float vertical = 1;  ///< Weight of vertical pairs relative to horizontal ones.
   cv::Mat1f below{};   ///< The same per pixel, for the pair with its lower neighbor; empty: `vertical` everywhere.
+  std::vector<ColorPull> pulls{};  ///< Per pixel of the hole; empty: none.
 
   float weight(cv::Point p, cv::Point q) const {
     if (p.y == q.y) return 1;
@@ -186,6 +189,10 @@ class Equation {
       if (const float screening = std::max(copies_.screening.weight[i], anchor); copied && screening > 0) {
         diagonal += screening;
         right += screening * copies_.screening.color[i];
+      }
+      if (!guidance_.pulls.empty()) {
+        diagonal += guidance_.pulls[i].weight;
+        right += guidance_.pulls[i].weight * guidance_.pulls[i].color;
       }
       out.diagonal.push_back(diagonal);
       out.right.push_back(right);
@@ -277,30 +284,31 @@ cv::Mat1f weigh_ground_pairs(const Window& window) {
   return out;
 }
 
+/// The guidance of unobserved pixels.
+struct UnobservedGuidance {
+  Guidance plain, ground;
+};
+
 /// Interpolates unobserved pixels from all others: the sky, the ground, then the rest. On return, the interpolated pixels have
 /// the role `solved`.
-void interpolate_unobserved(const Window& window, const Copies& copies, const Guidance& plain, Canvas& canvas) {
+void interpolate_unobserved(const Window& window, const Copies& copies, const UnobservedGuidance& guidance, Canvas& canvas) {
   if (window.size() == 0) return;
-  Guidance level = plain;
-  level.below = weigh_ground_pairs(window);
   cv::Mat1b filled(window.box.size(), uchar{0});
-  const auto fill_where = [&](const auto& is_wanted, const Guidance& guidance) {
+  const auto fill_where = [&](const auto& is_wanted, const Guidance& chosen) {
     canvas.roles = assign_roles(window, Role::fixed, Role::absent);
     canvas.roles.setTo(static_cast<uchar>(Role::fixed), filled);
     for (std::size_t i = 0; i < window.size(); ++i)
       if (const cv::Point p = window.pixel(i); window.is_unobserved(p) && filled(p) == 0 && is_wanted(p))
         canvas.roles(p) = static_cast<uchar>(Role::solved);
-    solve(window, copies, guidance, canvas);
+    solve(window, copies, chosen, canvas);
     filled |= mask_equal(canvas.roles, Role::solved);
   };
-  fill_where([&](cv::Point p) { return window.is_unobserved_sky(p); }, plain);
-  fill_where([&](cv::Point p) { return window.class_of(p) == SurfaceClass::ground; }, level);
-  fill_where([](cv::Point) { return true; }, plain);
+  fill_where([&](cv::Point p) { return window.is_unobserved_sky(p); }, guidance.plain);
+  fill_where([&](cv::Point p) { return window.class_of(p) == SurfaceClass::ground; }, guidance.ground);
+  fill_where([](cv::Point) { return true; }, guidance.plain);
   canvas.roles = assign_roles(window, Role::fixed, Role::absent);
   canvas.roles.setTo(static_cast<uchar>(Role::solved), filled);
 }
-
-std::uint16_t to_sixteenths(float position) { return static_cast<std::uint16_t>(std::lround(position * kSubpixel)); }
 
 void write_provenance(const depth::Target& target, const Fused& fused, FilledFrame& out) {
   const sample::Candidates& candidates = fused.candidates;
@@ -309,8 +317,7 @@ void write_provenance(const depth::Target& target, const Fused& fused, FilledFra
     if (!source.found()) continue;
     const bool is_same_sequence = target.views[source.view].sequence == target.view().sequence;
     out.kind(candidates.hole.pixels[i]) = static_cast<uchar>(is_same_sequence ? Kind::copied : Kind::copied_elsewhere);
-    out.provenance(candidates.hole.pixels[i]) = {static_cast<std::uint16_t>(source.view + 1), to_sixteenths(source.position.x),
-                                                 to_sixteenths(source.position.y)};
+    out.provenance(candidates.hole.pixels[i]) = Provenance::encode(source.view, source.position);
     out.used(candidates.hole.pixels[i]) = {source.footprint[1], source.footprint[0], fused.sources[i]};
   }
 }
@@ -378,7 +385,8 @@ FilledFrame harmonize(const depth::Target& target, const sample::Candidates& sam
     limit_copies(find_range_around(*target.image(), out.mask), candidates, copies.color, out.color);
   if (options.unobserved_last && unobserved == Role::solved) {
     const Guidance plain{.seams = false, .vertical = static_cast<float>(options.unobserved_vertical)};
-    interpolate_unobserved(window, copies, plain, canvas);
+    const std::vector<ColorPull> road = pull_along_road(target, candidates, input, out.color);
+    interpolate_unobserved(window, copies, {plain, {false, plain.vertical, weigh_ground_pairs(window), road}}, canvas);
   }
   for (std::size_t i = 0; i < hole.size(); ++i) {
     const bool solved = canvas.roles(window.pixel(i)) == static_cast<uchar>(Role::solved);

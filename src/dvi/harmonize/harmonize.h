@@ -7,6 +7,7 @@
 #include "dvi/core/named.h"
 #include "dvi/core/options.h"
 #include "dvi/depth/target.h"
+#include "dvi/ground/road_ground.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/harmonize/illumination_change.h"
 #include "dvi/sample/candidates.h"
@@ -65,6 +66,8 @@ struct HarmonizeInput {
   IlluminationChange illumination{};  ///< The result of compare_illumination().
   sample::Candidates known{};         ///< Candidates of sample::sample_known(), by whose errors confidence is calibrated.
   cv::Mat1b classes{};                ///< SurfaceClass of each pixel, by classify_surfaces(); empty: all unknown.
+  /// The ground, along which colors of the road continue; none: they do not.
+  const ground::RoadGround* ground = nullptr;
 };
 
 /// Computes the colors of the hole from its candidates by a Poisson equation (section 3.4 of the paper, eq. 5). The surrounding

@@ -1,12 +1,18 @@
 #include "dvi/harmonize/provenance.h"
 
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <vector>
 
 #include "dvi/image/interpolate.h"
 
 namespace dvi::harmonize {
+
+cv::Vec3w Provenance::encode(int view, cv::Point2f position) {
+  const auto to_sixteenths = [](float v) { return static_cast<std::uint16_t>(std::lround(v * kSubpixel)); };
+  return {static_cast<std::uint16_t>(view + 1), to_sixteenths(position.x), to_sixteenths(position.y)};
+}
 
 Provenance Provenance::decode(const cv::Vec3w& triple, const cv::Vec3b& used) {
   return {static_cast<int>(triple[0]) - 1,

@@ -16,6 +16,8 @@ struct Provenance {
   cv::Point2f position;  ///< Image coordinates in the source.
   cv::Vec2b footprint;   ///< Width and height in source pixels.
 
+  /// Returns the pixel value of FilledFrame::provenance.
+  static cv::Vec3w encode(int view, cv::Point2f position);
   /// Decodes the pixel values of FilledFrame::provenance and FilledFrame::used.
   static Provenance decode(const cv::Vec3w& triple, const cv::Vec3b& used);
 };

@@ -44,9 +44,9 @@ class Surfaces {
     if (z == depth::DepthMap::kInfinity) return Group::upright;
     if (!plane_) return Group::upright;
     const Eigen::Vector3d ray = world_from_camera_.R * view_.camera.ray({p.x, p.y});
-    if (is_hole && plane_->is_in_lane(ray)) return Group::ground;
     if (is_hole && !classes_.empty() && classes_(p) != static_cast<uchar>(SurfaceClass::unknown))
       return classes_(p) == static_cast<uchar>(SurfaceClass::ground) ? Group::ground : Group::upright;
+    if (is_hole && plane_->meet_lane(ray)) return Group::ground;
     if (!depth::DepthMap::is_solid(z)) {
       if (is_hole) return ray.z() < 0 ? Group::ground : Group::upright;
       if (z == depth::DepthMap::kSky || ray.z() >= 0) return Group::upright;
