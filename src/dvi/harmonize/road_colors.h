@@ -37,7 +37,7 @@ class RoadColors {
     float count = 0;
   };
   struct Position {
-    int along, left;    // of the cell
+    int along, left;    // cell
     double distance_m;  // from the camera
   };
 
