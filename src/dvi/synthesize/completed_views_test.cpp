@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "dvi/synthesize/test_road.h"
+#include "dvi/testing/level_road.h"
 #include "dvi/testing/memory_views.h"
 
 namespace dvi::synthesize {

@@ -9,7 +9,7 @@
 
 #include "dvi/ground/road_ground.h"
 #include "dvi/image/region.h"
-#include "dvi/synthesize/test_road.h"
+#include "dvi/testing/level_road.h"
 #include "dvi/testing/memory_views.h"
 
 namespace dvi::synthesize {
