@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <utility>
 
 #include <opencv2/core.hpp>
@@ -11,6 +10,8 @@
 
 namespace dvi::exports {
 namespace {
+
+constexpr std::size_t kPictureBytesPerPixel = 6;  // the frame and its parts
 
 cv::Mat3b picture(const Result& result, std::size_t frame, bool beside) {
   const cv::Mat3b clean = result.image(frame);
@@ -31,18 +32,19 @@ struct CameraVideo {
 
 void write_video(const Result& result, const CameraVideo& of, const ExportOptions& options, Progress& progress) {
   const cv::Size size = result.size(of.first);
-  media::VideoWriter video(of.file, {size.width * (options.beside ? 2 : 1), size.height}, options.video);
-  const auto encode = [&](std::size_t segment) {
+  const cv::Size video_size(size.width * (options.beside ? 2 : 1), size.height);
+  media::VideoWriter video(of.file, video_size, options.video);
+  const auto encode = [&](std::size_t first, std::size_t last) {
     media::SegmentEncoder part = video.new_segment();
-    const std::size_t first = segment * media::kSegmentFrames, last = std::min(first + media::kSegmentFrames, of.count);
     for (std::size_t i = first; i < last; ++i) {
       part.push(picture(result, of.first + i, options.beside));
       progress.advance();
     }
     return part.finish();
   };
-  make_and_use((of.count + media::kSegmentFrames - 1) / media::kSegmentFrames, encode,
-               [&](std::size_t, media::VideoSegment part) { video.append(std::move(part)); });
+  media::encode_segments(
+      of.count, encode, [&](media::VideoSegment part) { video.append(std::move(part)); },
+      static_cast<std::size_t>(video_size.area()) * (media::kEncoderBytesPerPixel + kPictureBytesPerPixel));
   video.finish();
 }
 

@@ -141,13 +141,9 @@ std::optional<Eigen::Vector2d> RoadPlane::meet(const Eigen::Vector3d& ray, doubl
   return scale * ray.head<2>();
 }
 
-std::optional<double> RoadPlane::meet_lane(const Eigen::Vector3d& ray) const {
+bool RoadPlane::is_in_lane(const Eigen::Vector3d& ray) const {
   const std::optional<Eigen::Vector2d> found = meet(ray, kRoadGround.max_lane_m);
-  return found && is_in_lane(camera_ + *found) ? std::optional(found->norm()) : std::nullopt;
-}
-
-bool RoadPlane::is_in_lane(const Eigen::Vector2d& position) const {
-  const std::optional<Eigen::Vector2d> at = road_->locate(position);
+  const std::optional<Eigen::Vector2d> at = found ? road_->locate(camera_ + *found) : std::nullopt;
   return at && std::abs(at->y()) < kRoadGround.lane_half_width_m;
 }
 

@@ -20,6 +20,7 @@ struct RoadGroundParams {
   double max_camera_m = 4;       ///< likewise
   double max_curb_m = 0.35;      ///< height difference beside the lane ...
   double max_slope = 0.06;       ///< ... plus this share of the distance from the path
+  double max_surface_m = 0.35;   ///< height above the ground up to which a surface is ground; no curb is higher
   int min_points = 3;            ///< of a square
   double plane_ahead_m = 8;      ///< distance ahead of a camera at which its RoadPlane has the height of the ground
   double max_plane_m = 80;       ///< largest distance at which the ground is such a plane
@@ -58,11 +59,9 @@ class RoadPlane {
   /// Returns the horizontal displacement in meters from the camera to the point in which a ray (in the world) meets the plane;
   /// nothing above the horizon or too far away.
   std::optional<Eigen::Vector2d> meet(const Eigen::Vector3d& ray, double max_m = kRoadGround.max_plane_m) const;
-  /// Returns the distance in meters at which a ray meets the plane in the lane, which is extended straight ahead; nothing if it
-  /// does not. The camera drives along the lane, so that nothing stationary is there.
-  std::optional<double> meet_lane(const Eigen::Vector3d& ray) const;
-  /// Returns whether a position is in the lane.
-  bool is_in_lane(const Eigen::Vector2d& position) const;
+  /// Returns whether a ray meets the plane in the lane, which is extended straight ahead. The camera drives along the lane, so
+  /// that nothing stationary is there.
+  bool is_in_lane(const Eigen::Vector3d& ray) const;
   /// Returns the height of the camera above the plane in meters.
   double below_m() const { return below_m_; }
   /// Returns the unit vector along the road at the camera.

@@ -18,7 +18,6 @@ namespace {
 
 /// Parameters of the classification.
 struct SurfaceClassParams {
-  double max_ground_height_m = 0.35;  ///< Largest height above the ground; no curb is higher.
   /// Height in the image up to which a class is propagated; higher parts are far in front of their neighbors.
   double max_foot_px = 16;
   float max_relative_sigma = 0.03F;  ///< Relative uncertainty of the depth above which the pixel may show another object.
@@ -59,7 +58,7 @@ class Classifier {
     const std::optional<double> ground = ground_.height(Eigen::Vector2d(point.head<2>()));
     if (!ground) return {};
     const double height = point.z() - *ground;
-    if (height <= kSurfaceClass.max_ground_height_m) return {SurfaceClass::ground, true};
+    if (height <= ground::kRoadGround.max_surface_m) return {SurfaceClass::ground, true};
     return {SurfaceClass::upright, height * view_.camera.fy < kSurfaceClass.max_foot_px * z};
   }
 
@@ -67,7 +66,7 @@ class Classifier {
   /// Unobserved pixels without depth show the road as far as the lane reaches.
   PixelClass classify_without_depth(const Eigen::Vector3d& ray, bool is_hole) const {
     if (ray.z() > 0) return {SurfaceClass::upright, true};
-    if (is_hole && road_ && road_->meet_lane(ray)) return {SurfaceClass::ground, true};
+    if (is_hole && road_ && road_->is_in_lane(ray)) return {SurfaceClass::ground, true};
     return {};
   }
 

@@ -12,14 +12,13 @@ namespace {
 
 /// Parameters of the strips.
 struct RoadColorParams {
-  double along_m = 2, left_m = 1;     ///< Size of a cell.
-  double behind_m = 5;                ///< The first cell is this far behind the camera.
-  double reach_m = 8;                 ///< Distance along the road at which the influence of a color has fallen to 1/e.
-  double across_m = 5;                ///< Distance across the road at which a neighbor is as relevant as the strip.
-  double max_ground_height_m = 0.35;  ///< Largest height above the ground; no curb is higher.
-  float max_relative_sigma = 0.03F;   ///< Relative uncertainty of the depth above which a pixel may show another object.
-  double pixels_per_m = 8;            ///< Density at which the ground is read.
-  float min_pixels = 3;               ///< Of a cell.
+  double along_m = 2, left_m = 1;    ///< Size of a cell.
+  double behind_m = 5;               ///< The first cell is this far behind the camera.
+  double reach_m = 8;                ///< Distance along the road at which the influence of a color has fallen to 1/e.
+  double across_m = 5;               ///< Distance across the road at which a neighbor is as relevant as the strip.
+  float max_relative_sigma = 0.03F;  ///< Relative uncertainty of the depth above which a pixel may show another object.
+  double pixels_per_m = 8;           ///< Density at which the ground is read.
+  float min_pixels = 3;              ///< Of a cell.
 };
 constexpr RoadColorParams kRoadColor;
 
@@ -49,7 +48,7 @@ RoadColors::RoadColors(const depth::Target& target, const ground::RoadGround& gr
       const Eigen::Vector3d ray = world_from_camera_.R * view_.camera.ray(Eigen::Vector2d(x, y));
       const Eigen::Vector3d point = world_from_camera_.t + z * ray;
       const auto height = ground.height(Eigen::Vector2d(point.head<2>()));
-      if (!height || point.z() - *height > kRoadColor.max_ground_height_m) continue;
+      if (!height || point.z() - *height > ground::kRoadGround.max_surface_m) continue;
       if (const auto at = locate(ray, ground::kRoadGround.max_plane_m)) {
         Cell& read = cells_[static_cast<std::size_t>(at->along) * kAcross + at->left];
         read.sum += color(y, x);

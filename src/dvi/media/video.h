@@ -1,14 +1,17 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
 
 #include "dvi/core/files.h"
 #include "dvi/core/options.h"
+#include "dvi/core/threads.h"
 
 namespace dvi::media {
 
@@ -24,9 +27,6 @@ struct VideoOptions {
     table.add("encoder", encoder, {"auto", "h264", "mpeg4"}, "Encoder of the videos; auto uses h264 if available.");
   }
 };
-
-/// Number of frames that callers encode together: seeking in the video is fast, and several segments keep several threads busy.
-inline constexpr std::size_t kSegmentFrames = 16;
 
 /// Consecutive encoded frames of a video, which can be decoded without any others.
 class VideoSegment {
@@ -85,5 +85,22 @@ class VideoWriter {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// Memory of an encoder in bytes per pixel of its video.
+inline constexpr std::size_t kEncoderBytesPerPixel = 40;
+
+/// Encodes a video of `frames` frames in segments on all threads: calls encode(first, last) for the frames [first, last) of
+/// each segment, and append(result of encode) in order. As many segments are in progress as fit into WorkMemory::of_process(),
+/// at least one, if each takes `bytes`. Segments are short, so that players seek fast, and several threads have work.
+template <class Encode, class Append>
+void encode_segments(std::size_t frames, const Encode& encode, const Append& append, std::size_t bytes) {
+  constexpr std::size_t kSegmentFrames = 16;
+  make_and_use((frames + kSegmentFrames - 1) / kSegmentFrames,
+               [&](std::size_t segment) {
+                 const std::size_t first = segment * kSegmentFrames;
+                 return encode(first, std::min(first + kSegmentFrames, frames));
+               },
+               [&](std::size_t, auto encoded) { append(std::move(encoded)); }, bytes);
+}
 
 }  // namespace dvi::media

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kSheetRows = 8;
 constexpr int kCellWidthPx = 480;
-constexpr std::size_t kVideoBytesPerPixel = 140;  // memory of two encoders, which keep some frames, and of a frame
+constexpr std::size_t kVideoBytesPerPixel = 3 * media::kEncoderBytesPerPixel + 20;  // both videos and a frame
 
 /// Returns "NAME  copied 22 %  interpolated 78 %".
 std::string caption_of(const cv::Mat1b& kind, const std::string& name) {
@@ -79,9 +79,8 @@ void write_media(const fs::path& out, const FinishedFrames& frames, const media:
   const auto frame_of_row = [&](std::size_t row) {
     return sheet.size() > 1 ? row * (names.size() - 1) / (sheet.size() - 1) : 0;
   };
-  const auto encode = [&](std::size_t segment) {
+  const auto encode = [&](std::size_t first, std::size_t last) {
     media::SegmentEncoder result_part = video.new_segment(), compare_part = compare.new_segment();
-    const std::size_t first = segment * media::kSegmentFrames, last = std::min(first + media::kSegmentFrames, names.size());
     for (std::size_t i = first; i < last; ++i) {
       const cv::Mat3b input = frames.read_input(i), result = media::read_image(out / picture_file("frames", names[i]), size);
       const cv::Mat1b kind = media::read_png_gray(out / picture_file("kind", names[i]), size);
@@ -93,12 +92,11 @@ void write_media(const fs::path& out, const FinishedFrames& frames, const media:
     }
     return std::pair(result_part.finish(), compare_part.finish());
   };
-  make_and_use((names.size() + media::kSegmentFrames - 1) / media::kSegmentFrames, encode,
-               [&](std::size_t, std::pair<media::VideoSegment, media::VideoSegment> parts) {
-                 video.append(std::move(parts.first));
-                 compare.append(std::move(parts.second));
-               },
-               kVideoBytesPerPixel * static_cast<std::size_t>(size.area()));
+  const auto append = [&](std::pair<media::VideoSegment, media::VideoSegment> parts) {
+    video.append(std::move(parts.first));
+    compare.append(std::move(parts.second));
+  };
+  media::encode_segments(names.size(), encode, append, kVideoBytesPerPixel * static_cast<std::size_t>(size.area()));
   video.finish();
   compare.finish();
   media::write_png(folder / "contact.png", media::make_contact_sheet(sheet, kCellWidthPx));

@@ -194,8 +194,10 @@ HarmonizeInput DriveRun::make_harmonize_input(const Target& target, const Candid
   const auto& [stages, depths, ground] = *context_;
   HarmonizeInput input;
   if (options_.harmonize.illumination_change) input.illumination = stages.compare_illumination(target, candidates);
-  if (options_.harmonize.surface_classes) input.classes = stages.classify_surfaces(target, candidates, *ground);
-  if (options_.harmonize.surface_classes) input.ground = &*ground;
+  if (options_.harmonize.surface_classes) {
+    input.classes = stages.classify_surfaces(target, candidates, *ground);
+    input.ground = &*ground;
+  }
   input.known = stages.sample_known(target, candidates);
   return input;
 }

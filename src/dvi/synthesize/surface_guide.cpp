@@ -22,9 +22,8 @@ using harmonize::Kind, harmonize::SurfaceClass;
 
 /// Parameters of the surfaces.
 struct SurfaceGuideParams {
-  double max_ground_height_m = 0.35;  ///< Largest height above the ground; no curb is higher.
-  double max_blind_m = 15;            ///< Distance of ground up to which no beam of the LiDAR may hit it.
-  int median_px = 7;                  ///< Side of the square whose prevailing group a pixel of the hole has.
+  double max_blind_m = 15;  ///< Distance of ground up to which no beam of the LiDAR may hit it.
+  int median_px = 7;        ///< Side of the square whose prevailing group a pixel of the hole has.
 };
 constexpr SurfaceGuideParams kSurfaceGuide;
 
@@ -46,7 +45,7 @@ class Surfaces {
     const Eigen::Vector3d ray = world_from_camera_.R * view_.camera.ray({p.x, p.y});
     if (is_hole && !classes_.empty() && classes_(p) != static_cast<uchar>(SurfaceClass::unknown))
       return classes_(p) == static_cast<uchar>(SurfaceClass::ground) ? Group::ground : Group::upright;
-    if (is_hole && plane_->meet_lane(ray)) return Group::ground;
+    if (is_hole && plane_->is_in_lane(ray)) return Group::ground;
     if (!depth::DepthMap::is_solid(z)) {
       if (is_hole) return ray.z() < 0 ? Group::ground : Group::upright;
       if (z == depth::DepthMap::kSky || ray.z() >= 0) return Group::upright;
@@ -55,7 +54,7 @@ class Surfaces {
     const Eigen::Vector3d point = world_from_camera_.t + z * ray;
     const auto height = ground_.height(Eigen::Vector2d(point.head<2>()));
     if (!height) return is_hole ? Group::upright : Group::none;
-    return point.z() - *height <= kSurfaceGuide.max_ground_height_m ? Group::ground : Group::upright;
+    return point.z() - *height <= ground::kRoadGround.max_surface_m ? Group::ground : Group::upright;
   }
 
   cv::Vec2f ground_of(cv::Point p) const {
