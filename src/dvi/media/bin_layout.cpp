@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
-#include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -44,15 +44,16 @@ NumberSample sample_numbers(std::string_view bytes, std::size_t scalar_bytes) {
 
 // Returns ranks from -1 to 1; equal values have equal ranks.
 std::vector<double> compute_centered_ranks(const std::vector<double>& values) {
-  std::vector<std::size_t> order(values.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
+  std::vector<std::pair<double, std::size_t>> sorted;  // with indices
+  sorted.reserve(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) sorted.emplace_back(values[i], i);
+  std::sort(sorted.begin(), sorted.end());
   std::vector<double> ranks(values.size());
-  for (std::size_t first = 0; first < order.size();) {
+  for (std::size_t first = 0; first < sorted.size();) {
     std::size_t end = first;
-    while (end < order.size() && values[order[end]] == values[order[first]]) ++end;
-    const double rank = static_cast<double>(first + end) / static_cast<double>(order.size()) - 1;
-    for (; first < end; ++first) ranks[order[first]] = rank;
+    while (end < sorted.size() && sorted[end].first == sorted[first].first) ++end;
+    const double rank = static_cast<double>(first + end) / static_cast<double>(sorted.size()) - 1;
+    for (; first < end; ++first) ranks[sorted[first].second] = rank;
   }
   return ranks;
 }
@@ -62,7 +63,8 @@ double compute_variance_between(const std::vector<double>& ranks, const std::vec
   std::vector<double> sums(columns), counts(columns);
   double total = 0;
   for (std::size_t i = 0; i < ranks.size(); ++i) {
-    sums[places[i] % columns] += ranks[i], counts[places[i] % columns] += 1;
+    const std::size_t column = places[i] % columns;
+    sums[column] += ranks[i], counts[column] += 1;
     total += ranks[i] * ranks[i];
   }
   double between = 0;
