@@ -30,23 +30,45 @@ struct GainRatio {
   std::array<double, 3> weight{};  ///< 1 / variance
 };
 
+/// The logarithms of the colors of a channel of points in two views.
+struct SharedColors {
+  std::vector<float> a, b;
+};
+
+/// Sets the ratio of a channel and its weight. The ratio is that of the sums of the colors, without outliers: the median of the
+/// ratios of single points would be biased, because views from afar blur the texture of a surface, and the logarithm of a mean
+/// is larger than the mean of logarithms.
+void compute_ratio(const SharedColors& colors, int channel, GainRatio& pair) {
+  std::vector<float> ratios(colors.a.size());
+  for (std::size_t i = 0; i < ratios.size(); ++i) ratios[i] = colors.b[i] - colors.a[i];
+  const float middle = median(ratios);
+  std::vector<float> off(ratios.size());
+  for (std::size_t i = 0; i < off.size(); ++i) off[i] = std::abs(ratios[i] - middle);
+  const float sigma = estimate_sigma(off);
+  double sum_a = 0, sum_b = 0;
+  for (std::size_t i = 0; i < ratios.size(); ++i)
+    if (std::abs(ratios[i] - middle) <= kExposure.max_sigmas * sigma) {
+      sum_a += std::exp(colors.a[i]);
+      sum_b += std::exp(colors.b[i]);
+    }
+  pair.ratio[channel] = std::log(sum_b / sum_a);
+  pair.weight[channel] = 1 / (kExposure.min_sigma * kExposure.min_sigma + sigma * sigma / static_cast<double>(ratios.size()));
+}
+
 /// Computes the ratio of two views; none if they share too few points.
 std::optional<GainRatio> compare_views(std::size_t a, std::size_t b, const Lazy<PointObservations>& observed,
                                        const std::vector<float>& vignetting) {
   const std::shared_ptr<const PointObservations> in_a = observed[a], in_b = observed[b];
-  std::array<std::vector<float>, 3> ratios;
+  std::array<SharedColors, 3> colors;
   for_each_shared(*in_a, *in_b, [&](const PointObservation& i, const PointObservation& j) {
-    const float darker = vignetting[b] * j.off_axis - vignetting[a] * i.off_axis;
-    for (int c = 0; c < 3; ++c) ratios[c].push_back(j.color[c] - i.color[c] + darker);
+    for (int c = 0; c < 3; ++c) {
+      colors[c].a.push_back(i.color[c] + vignetting[a] * i.off_axis);
+      colors[c].b.push_back(j.color[c] + vignetting[b] * j.off_axis);
+    }
   });
-  if (ratios[0].size() < kExposure.min_points) return std::nullopt;
+  if (colors[0].a.size() < kExposure.min_points) return std::nullopt;
   GainRatio pair{a, b, {}, {}};
-  for (int c = 0; c < 3; ++c) {
-    pair.ratio[c] = median(ratios[c]);
-    for (float& r : ratios[c]) r = static_cast<float>(std::abs(r - pair.ratio[c]));
-    const double sigma = estimate_sigma(ratios[c]);
-    pair.weight[c] = 1 / (kExposure.min_sigma * kExposure.min_sigma + sigma * sigma / static_cast<double>(ratios[c].size()));
-  }
+  for (int c = 0; c < 3; ++c) compute_ratio(colors[c], c, pair);
   return pair;
 }
 
