@@ -204,6 +204,16 @@ ScanGround::ScanGround(const Drive& drive, const Trajectory& world_from_lidar) {
   heights_ = GroundGrowth(std::move(lows)).grow(start);
 }
 
+ScanGround::ScanGround(const std::vector<GroundSquare>& squares) {
+  for (const GroundSquare& square : squares) heights_.emplace(Square{square.x, square.y}, square.height_m);
+}
+
+std::vector<GroundSquare> ScanGround::squares() const {
+  std::vector<GroundSquare> squares;
+  for (const auto& [square, height] : heights_) squares.push_back({square.first, square.second, height});
+  return squares;
+}
+
 std::optional<double> ScanGround::height(const Eigen::Vector2d& position) const {
   const Eigen::Vector2d at =
       position / kGroundSquareM - Eigen::Vector2d::Constant(0.5);  // the height of a square is that at its center

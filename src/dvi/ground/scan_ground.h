@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "dvi/drive/drive.h"
 
@@ -28,11 +29,20 @@ struct ScanGroundParams {
 };
 inline constexpr ScanGroundParams kScanGround;
 
+/// The height of a square of the ground.
+struct GroundSquare {
+  int x = 0, y = 0;     ///< numbers of the square: its edges are at these multiples of square_m and at the next ones
+  double height_m = 0;  ///< in the world
+};
+
 /// The height of the ground: per square meter, the mean of the lowest level at which scans of the whole drive have repeated
 /// returns, interpolated between the squares. Single returns below it, for example from mirrors, do not count.
 class ScanGround {
  public:
   ScanGround(const Drive& drive, const Trajectory& world_from_lidar);
+  explicit ScanGround(const std::vector<GroundSquare>& squares);
+
+  std::vector<GroundSquare> squares() const;
 
   /// Returns the height at a position in the world, in meters: interpolated between the adjacent squares, or from the nearest
   /// square within 2 m; nothing if there is none.

@@ -11,4 +11,13 @@ std::shared_ptr<const ground::ScanGround> Evidence::ground(std::size_t camera) c
   return ground;
 }
 
+Grounds Evidence::grounds() const {
+  Grounds grounds(cameras_.size());
+  for (std::size_t i = 0; i < cameras_.size(); ++i)
+    if (own_camera(i) == i) grounds[i] = ground(i);
+  return grounds;
+}
+
+void Evidence::set_grounds(const Grounds& grounds) { grounds_ = grounds; }
+
 }  // namespace dvi::objects

@@ -75,11 +75,14 @@ struct CameraEvidence {
   }
 };
 
+/// The ground by camera; null for further cameras of a drive, and without poses or scans.
+using Grounds = std::vector<std::shared_ptr<const ground::ScanGround>>;
+
 /// The evidence of all cameras of all drives: the target drive first, and the own camera of each drive before its further
 /// cameras.
 class Evidence {
  public:
-  explicit Evidence(std::vector<CameraEvidence> cameras) : cameras_(std::move(cameras)) {}
+  explicit Evidence(std::vector<CameraEvidence> cameras) : cameras_(std::move(cameras)), grounds_(cameras_.size()) {}
 
   std::size_t size() const { return cameras_.size(); }
   const CameraEvidence& operator[](std::size_t camera) const { return cameras_[camera]; }
@@ -88,12 +91,16 @@ class Evidence {
   std::size_t own_camera(std::size_t camera) const { return cameras_[camera].rig_of.value_or(camera); }
 
   /// Returns the ground of a camera's drive, which its cameras share, or null without poses or scans. It is computed at the
-  /// first call.
+  /// first call, from all scans.
   std::shared_ptr<const ground::ScanGround> ground(std::size_t camera) const;
+
+  /// Return and set the ground of each camera's drive, so that it need not be computed again.
+  Grounds grounds() const;
+  void set_grounds(const Grounds& grounds);
 
  private:
   std::vector<CameraEvidence> cameras_;
-  mutable std::map<std::size_t, std::shared_ptr<const ground::ScanGround>> grounds_;  // by own camera
+  mutable Grounds grounds_;  // null: not computed so far
 };
 
 }  // namespace dvi::objects

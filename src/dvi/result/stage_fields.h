@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -7,6 +9,7 @@
 #include "dvi/align/align.h"
 #include "dvi/drive/label.h"
 #include "dvi/exposure/exposure.h"
+#include "dvi/ground/scan_ground.h"
 #include "dvi/inputs/poses.h"
 #include "dvi/map/static_map.h"
 #include "dvi/objects/find_objects.h"
@@ -78,6 +81,19 @@ constexpr auto fields_of(Of<registration::PlacementFigures>) {
 }
 constexpr auto fields_of(Of<inputs::DrivePoses>) {
   return std::tuple{&inputs::DrivePoses::choice, &inputs::DrivePoses::world_from_lidar, &inputs::DrivePoses::placed};
+}
+
+constexpr auto fields_of(Of<ground::GroundSquare>) {
+  using ground::GroundSquare;
+  return std::tuple{&GroundSquare::x, &GroundSquare::y, &GroundSquare::height_m};
+}
+
+template <class Archive, class T>
+void pass_parts(Archive& archive, T& ground, Of<std::shared_ptr<const ground::ScanGround>>) {
+  std::optional<std::vector<ground::GroundSquare>> squares;
+  if (ground) squares = ground->squares();
+  pass(archive, squares);
+  if constexpr (!std::is_const_v<T>) ground = squares ? std::make_shared<const ground::ScanGround>(*squares) : nullptr;
 }
 
 constexpr auto fields_of(Of<cv::Size>) { return std::tuple{&cv::Size::width, &cv::Size::height}; }

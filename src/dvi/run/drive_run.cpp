@@ -56,7 +56,13 @@ void DriveRun::load_plan(const ReplaceMasks& replace_masks) { compute_stages(Sta
 void DriveRun::compute_stages(StageCache::Missing missing, const ReplaceMasks& replace_masks) {
   const StageCache stages = folder_.make_stage_cache(progress_, missing);
   poses_ = stages.load_or_compute("poses", [&] { return estimate_poses(); });  // 3.1: LOAM, 3.5: further drives
-  const Evidence evidence = inputs::collect_evidence(drives_, poses_);
+  Evidence evidence = inputs::collect_evidence(drives_, poses_);
+  evidence.set_grounds(stages.load_or_compute("ground", [&] {
+    progress_.begin("ground", 0);
+    objects::Grounds grounds = evidence.grounds();
+    progress_.end();
+    return grounds;
+  }));
   objects_ =
       stages.load_or_compute("objects", [&] { return objects::find_objects(evidence, job_.removal(), progress_); });  // 3.1
   masks_ = objects::draw_masks(evidence, objects_, job_.removal(), progress_);

@@ -8,10 +8,11 @@ using Stages = std::vector<PlannedStage>;
 // CPU seconds per frame, measured on a drive of KITTI. Only their ratios are used: the stages that have ended determine the
 // speed of this machine and drive.
 const Stages& stages_before_fill() {
-  static const Stages stages{{"read", 0.02},      {"plausibility", 0.015}, {"odometry", 0.015}, {"loops", 0.001},
-                             {"sharpness", 0.01}, {"traffic", 0.1},        {"complete", 0.03},  {"camera and labels", 0.1},
-                             {"map", 0.015},      {"carve", 0.015},        {"normals", 0.005},  {"exposure", 0.03},
-                             {"align", 0.05}};
+  static const Stages stages{{"read", 0.02},     {"plausibility", 0.015}, {"odometry", 0.015},
+                             {"loops", 0.001},   {"sharpness", 0.01},     {"ground", 0.01},
+                             {"traffic", 0.1},   {"complete", 0.03},      {"camera and labels", 0.1},
+                             {"map", 0.015},     {"carve", 0.015},        {"normals", 0.005},
+                             {"exposure", 0.03}, {"align", 0.05}};
   return stages;
 }
 
