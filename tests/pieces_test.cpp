@@ -84,6 +84,25 @@ TEST_F(Pieces, AreRefusedWithoutTheirPlan) {
   expect_refused("fill out --quiet", "map.bin: is missing or damaged");
 }
 
+TEST_F(Pieces, EncodeVideosInTheFill) {
+  small_drive();
+  ASSERT_EQ(dvi("run drive -o whole --quiet").code, 0);
+  ASSERT_EQ(dvi("plan drive -o out --quiet").code, 0);
+  const fs::path segment = folder / "out/.dvi/video/000000.bin";
+  ASSERT_EQ(dvi("fill out --frames 0:4 --quiet").code, 0);
+  EXPECT_FALSE(fs::exists(segment)) << "its last frame is missing";
+  const Result last = dvi("fill out --frames 5 --quiet");
+  ASSERT_EQ(last.code, 0);
+  EXPECT_EQ(last.err, "") << "of the encoder";
+  ASSERT_TRUE(fs::exists(segment));
+  std::ofstream(segment) << "cut";
+  EXPECT_EQ(json(dvi("fill out --quiet --json"))["filled"], 0);
+  EXPECT_GT(fs::file_size(segment), 1000U) << "a damaged segment is encoded again";
+  std::ofstream(segment, std::ios::app) << "x";
+  ASSERT_EQ(dvi("finish out --quiet").code, 0);
+  EXPECT_EQ(result("out"), result("whole"));
+}
+
 TEST_F(Pieces, ContinueAfterAKilledFill) {
   small_drive();
   ASSERT_EQ(dvi("plan drive -o out --quiet").code, 0);

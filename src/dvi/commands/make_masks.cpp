@@ -18,7 +18,7 @@
 #include "dvi/media/contact_sheet.h"
 #include "dvi/media/write_image.h"
 #include "dvi/objects/motion.h"
-#include "dvi/result/result_folder.h"
+#include "dvi/result/usable_folder.h"
 
 namespace dvi::commands {
 namespace {

@@ -20,8 +20,9 @@ constexpr int kFrames = 40;  // more than one group of pictures of the encoder
 cv::Vec3b color_of(int i) { return {static_cast<uchar>(20 + 5 * i), static_cast<uchar>(230 - 5 * i), 120}; }
 
 fs::path write_video(const fs::path& file, int frames = kFrames) {
-  media::VideoWriter writer(file, {64, 48}, {.crf = 1, .encoder = "mpeg4"});
-  media::SegmentEncoder segment = writer.new_segment();
+  const media::VideoTarget target{file, {64, 48}, {.crf = 1, .encoder = "mpeg4"}};
+  media::VideoWriter writer(target);
+  media::SegmentEncoder segment(target);
   for (int i = 0; i < frames; ++i) segment.push(cv::Mat3b(48, 64, color_of(i)));
   writer.append(segment.finish());
   writer.finish();

@@ -33,17 +33,20 @@ struct CameraVideo {
 void write_video(const Result& result, const CameraVideo& of, const ExportOptions& options, Progress& progress) {
   const cv::Size size = result.size(of.first);
   const cv::Size video_size(size.width * (options.beside ? 2 : 1), size.height);
-  media::VideoWriter video(of.file, video_size, options.video);
-  const auto encode = [&](std::size_t first, std::size_t last) {
-    media::SegmentEncoder part = video.new_segment();
-    for (std::size_t i = first; i < last; ++i) {
-      part.push(picture(result, of.first + i, options.beside));
-      progress.advance();
-    }
-    return part.finish();
-  };
-  media::encode_segments(
-      of.count, encode, [&](media::VideoSegment part) { video.append(std::move(part)); },
+  const media::VideoTarget target{of.file, video_size, options.video};
+  media::VideoWriter video(target);
+  const std::vector<media::FrameSpan> segments = media::divide_into_segments(of.count);
+  make_and_use(
+      segments.size(),
+      [&](std::size_t k) {
+        media::SegmentEncoder segment(target);
+        for (std::size_t i = segments[k].first; i < segments[k].last; ++i) {
+          segment.push(picture(result, of.first + i, options.beside));
+          progress.advance();
+        }
+        return segment.finish();
+      },
+      [&](std::size_t, const media::VideoSegment& segment) { video.append(segment); },
       static_cast<std::size_t>(video_size.area()) * (media::kEncoderBytesPerPixel + kPictureBytesPerPixel));
   video.finish();
 }

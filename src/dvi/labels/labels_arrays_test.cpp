@@ -124,8 +124,8 @@ cv::Mat1b video_mask(int i) {
 }
 
 void write_video(const fs::path& file, int frames, bool inverted, cv::Size size = {64, 48}) {
-  media::VideoWriter video(file, size);
-  media::SegmentEncoder segment = video.new_segment();
+  media::VideoWriter video({file, size});
+  media::SegmentEncoder segment({file, size});
   for (int i = 0; i < frames; ++i) {
     cv::Mat3b colors;
     cv::cvtColor(inverted ? cv::Mat1b(~video_mask(i)) : video_mask(i), colors, cv::COLOR_GRAY2BGR);

@@ -106,13 +106,8 @@ void check(int code, const fs::path& path) {
   throw InputError(path, std::string("cannot be written (") + reason.data() + ")", "free space or choose another folder");
 }
 
-struct Target {
-  fs::path path;
-  cv::Size size;
-  VideoOptions options;
-};
-
-Codec open_encoder(const Target& target) {
+Codec open_encoder(const VideoTarget& target) {
+  av_log_set_level(AV_LOG_QUIET);  // exceptions report errors
   const AVCodec* encoder = find_encoder(target.options.encoder);
   Codec codec(avcodec_alloc_context3(encoder));
   codec->width = round_up_to_even(target.size.width);
@@ -141,23 +136,14 @@ Codec open_encoder(const Target& target) {
 
 }  // namespace
 
-struct VideoSegment::Impl {
-  std::vector<Packet> packets;  // with times from 0, in frames
-  std::int64_t frames = 0;
-};
-
-VideoSegment::VideoSegment(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-VideoSegment::VideoSegment(VideoSegment&&) noexcept = default;
-VideoSegment& VideoSegment::operator=(VideoSegment&&) noexcept = default;
-VideoSegment::~VideoSegment() = default;
-
 struct SegmentEncoder::Impl {
-  Target target;
+  VideoTarget target;
   Codec codec;
   Picture picture;
-  std::unique_ptr<VideoSegment::Impl> encoded = std::make_unique<VideoSegment::Impl>();
+  std::int64_t frames = 0;
+  VideoSegment encoded;
 
-  explicit Impl(const Target& of) : target(of), codec(open_encoder(of)), picture(av_frame_alloc()) {
+  explicit Impl(const VideoTarget& of) : target(of), codec(open_encoder(of)), picture(av_frame_alloc()) {
     picture->format = codec->pix_fmt;
     picture->width = codec->width;
     picture->height = codec->height;
@@ -175,13 +161,11 @@ void SegmentEncoder::Impl::encode(const AVFrame* frame) {
     const int code = avcodec_receive_packet(codec.get(), packet.get());
     if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return;
     check(code, target.path);
-    packet->duration = 1;
-    encoded->packets.push_back(std::move(packet));
+    encoded.push_back({(packet->flags & AV_PKT_FLAG_KEY) != 0, {packet->data, packet->data + packet->size}});
   }
 }
 
-SegmentEncoder::SegmentEncoder(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-SegmentEncoder::SegmentEncoder(SegmentEncoder&&) noexcept = default;
+SegmentEncoder::SegmentEncoder(const VideoTarget& target) : impl_(std::make_unique<Impl>(target)) {}
 SegmentEncoder::~SegmentEncoder() = default;
 
 void SegmentEncoder::push(const cv::Mat3b& frame) { push_stacked({frame}); }
@@ -199,37 +183,36 @@ void SegmentEncoder::push_stacked(const std::vector<cv::Mat3b>& images) {
     convert(image, *s.picture, top);
     top += round_up_to_even(image.rows);
   }
-  s.picture->pts = s.encoded->frames++;
+  s.picture->pts = s.frames++;
   s.encode(s.picture.get());
 }
 
 VideoSegment SegmentEncoder::finish() {
   impl_->encode(nullptr);
-  return VideoSegment(std::move(impl_->encoded));
+  return std::move(impl_->encoded);
 }
 
 struct VideoWriter::Impl {
-  Target target;
+  VideoTarget target;
   Draft draft{target.path, temporary_beside(target.path)};  // declared before `format`, which has to be closed first
   std::int64_t count = 0;
   Format format;
   AVRational time_base{};  // duration of a frame in seconds
   AVStream* stream = nullptr;
 
-  explicit Impl(Target of) : target(std::move(of)) {}
+  explicit Impl(VideoTarget of) : target(std::move(of)) {}
 
   void open();
 };
 
 void VideoWriter::Impl::open() {
   const fs::path& path = target.path;
-  av_log_set_level(AV_LOG_QUIET);  // the exception reports the error
+  const Codec codec = open_encoder(target);
   AVFormatContext* raw = nullptr;
   const std::string url = "file:" + draft.path().string();  // otherwise libav reads the part before a colon as a protocol
   check(avformat_alloc_output_context2(&raw, nullptr, "mp4", url.c_str()), path);
   format.reset(raw);
   format->flags |= AVFMT_FLAG_BITEXACT;
-  const Codec codec = open_encoder(target);
   time_base = codec->time_base;
   stream = avformat_new_stream(format.get(), nullptr);
   stream->time_base = codec->time_base;
@@ -244,28 +227,24 @@ void VideoWriter::Impl::open() {
   check(code, path);
 }
 
-VideoWriter::VideoWriter(const fs::path& path, cv::Size size, const VideoOptions& options)
-    : impl_(std::make_unique<Impl>(Target{path, size, options})) {
-  impl_->open();
-}
+VideoWriter::VideoWriter(const VideoTarget& target) : impl_(std::make_unique<Impl>(target)) { impl_->open(); }
 
 VideoWriter::~VideoWriter() = default;
 
-SegmentEncoder VideoWriter::new_segment() const {
-  return SegmentEncoder(std::make_unique<SegmentEncoder::Impl>(impl_->target));
-}
-
-void VideoWriter::append(VideoSegment segment) {
+void VideoWriter::append(const VideoSegment& segment) {
   Impl& s = *impl_;
-  for (Packet& packet : segment.impl_->packets) {
-    packet->pts += s.count;
-    packet->dts += s.count;
+  const Packet packet(av_packet_alloc());
+  for (const EncodedFrame& frame : segment) {
+    check(av_new_packet(packet.get(), static_cast<int>(frame.bytes.size())), s.target.path);
+    std::copy(frame.bytes.begin(), frame.bytes.end(), packet->data);
+    packet->flags = frame.is_key ? AV_PKT_FLAG_KEY : 0;
+    packet->pts = packet->dts = s.count++;  // no encoder reorders frames
+    packet->duration = 1;
     av_packet_rescale_ts(packet.get(), s.time_base, s.stream->time_base);
     packet->stream_index = s.stream->index;
     check(av_interleaved_write_frame(s.format.get(), packet.get()), s.target.path);
     check(s.format->pb->error, s.target.path);
   }
-  s.count += segment.impl_->frames;
 }
 
 void VideoWriter::finish() {
@@ -273,6 +252,14 @@ void VideoWriter::finish() {
   check(av_write_trailer(s.format.get()), s.target.path);
   check(avio_closep(&s.format->pb), s.target.path);
   s.draft.finish();
+}
+
+std::vector<FrameSpan> divide_into_segments(std::size_t frames) {
+  constexpr std::size_t kSegmentFrames = 16;
+  std::vector<FrameSpan> segments;
+  for (std::size_t first = 0; first < frames; first += kSegmentFrames)
+    segments.push_back({first, std::min(first + kSegmentFrames, frames)});
+  return segments;
 }
 
 }  // namespace dvi::media

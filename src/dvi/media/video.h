@@ -1,17 +1,15 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
 
 #include "dvi/core/files.h"
 #include "dvi/core/options.h"
-#include "dvi/core/threads.h"
 
 namespace dvi::media {
 
@@ -28,27 +26,32 @@ struct VideoOptions {
   }
 };
 
-/// Consecutive encoded frames of a video, which can be decoded without any others.
-class VideoSegment {
- public:
-  VideoSegment(VideoSegment&&) noexcept;
-  VideoSegment& operator=(VideoSegment&&) noexcept;
-  ~VideoSegment();
-
- private:
-  friend class SegmentEncoder;
-  friend class VideoWriter;
-  struct Impl;
-  explicit VideoSegment(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+/// A video to be written. Odd sizes get a repeated last column or row, because players require even sizes.
+struct VideoTarget {
+  fs::path path;
+  cv::Size size;  ///< of the frames
+  VideoOptions options = {};
 };
+
+/// An encoded frame of a video.
+struct EncodedFrame {
+  bool is_key = false;  ///< whether it can be decoded without any others
+  std::vector<std::uint8_t> bytes;
+
+  bool operator==(const EncodedFrame&) const = default;
+};
+
+/// Consecutive encoded frames of a video. The first is a key frame, so that they can be decoded without any others.
+using VideoSegment = std::vector<EncodedFrame>;
 
 /// Encodes the frames of one segment. Segments are independent of each other, so that several threads can encode those of a
 /// video.
 class SegmentEncoder {
  public:
-  SegmentEncoder(SegmentEncoder&&) noexcept;
+  explicit SegmentEncoder(const VideoTarget& target);
   ~SegmentEncoder();
+  SegmentEncoder(const SegmentEncoder&) = delete;
+  SegmentEncoder& operator=(const SegmentEncoder&) = delete;
 
   /// Adds a frame of the size of the video.
   void push(const cv::Mat3b& frame);
@@ -58,26 +61,22 @@ class SegmentEncoder {
   VideoSegment finish();
 
  private:
-  friend class VideoWriter;
   struct Impl;
-  explicit SegmentEncoder(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 
 /// Writes an mp4 (yuv420p, BT.709, playable while it loads) segment by segment, without keeping frames. Equal frames in equal
-/// segments give equal bytes. Odd sizes get a repeated last column or row, because players require even sizes. Throws
-/// InputError on a full or read-only disk. Leaves no file behind if it is destroyed without finish().
+/// segments give equal bytes. Throws InputError on a full or read-only disk. Leaves no file behind if it is destroyed without
+/// finish().
 class VideoWriter {
  public:
-  VideoWriter(const fs::path& path, cv::Size size, const VideoOptions& options = {});
+  explicit VideoWriter(const VideoTarget& target);
   ~VideoWriter();
   VideoWriter(const VideoWriter&) = delete;
   VideoWriter& operator=(const VideoWriter&) = delete;
 
-  /// Begins a segment. May be called from any thread.
-  SegmentEncoder new_segment() const;
   /// Adds the frames of a segment.
-  void append(VideoSegment segment);
+  void append(const VideoSegment& segment);
   /// Completes the video and moves it to its path.
   void finish();
 
@@ -89,18 +88,12 @@ class VideoWriter {
 /// Memory of an encoder in bytes per pixel of its video.
 inline constexpr std::size_t kEncoderBytesPerPixel = 40;
 
-/// Encodes a video of `frames` frames in segments on all threads: calls encode(first, last) for the frames [first, last) of
-/// each segment, and append(result of encode) in order. As many segments are in progress as fit into WorkMemory::of_process(),
-/// at least one, if each takes `bytes`. Segments are short, so that players seek fast, and several threads have work.
-template <class Encode, class Append>
-void encode_segments(std::size_t frames, const Encode& encode, const Append& append, std::size_t bytes) {
-  constexpr std::size_t kSegmentFrames = 16;
-  make_and_use((frames + kSegmentFrames - 1) / kSegmentFrames,
-               [&](std::size_t segment) {
-                 const std::size_t first = segment * kSegmentFrames;
-                 return encode(first, std::min(first + kSegmentFrames, frames));
-               },
-               [&](std::size_t, auto encoded) { append(std::move(encoded)); }, bytes);
-}
+/// Frames [first, last) of a video.
+struct FrameSpan {
+  std::size_t first = 0, last = 0;
+};
+
+/// Divides a video into segments that are short, so that players seek fast, and several threads have work.
+std::vector<FrameSpan> divide_into_segments(std::size_t frames);
 
 }  // namespace dvi::media

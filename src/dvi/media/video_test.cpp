@@ -81,20 +81,21 @@ cv::Mat3b picture(cv::Size size, int i) {
   return image;
 }
 
-void append(VideoWriter& video, const std::function<void(SegmentEncoder&)>& push_frames) {
-  SegmentEncoder segment = video.new_segment();
+/// Writes a video of one segment.
+void write_segment(const VideoTarget& target, const std::function<void(SegmentEncoder&)>& push_frames) {
+  VideoWriter video(target);
+  SegmentEncoder segment(target);
   push_frames(segment);
   video.append(segment.finish());
+  video.finish();
 }
 
 class Video : public testing::Test {
  protected:
   fs::path write(const std::string& name, cv::Size size, int frames, const VideoOptions& options = {}) const {
-    VideoWriter video(folder / name, size, options);
-    append(video, [&](SegmentEncoder& segment) {
+    write_segment({folder / name, size, options}, [&](SegmentEncoder& segment) {
       for (int i = 0; i < frames; ++i) segment.push(picture(size, i));
     });
-    video.finish();
     return folder / name;
   }
   std::size_t files() const {
@@ -124,17 +125,18 @@ TEST_F(Video, DecodesToThePushedFrames) {
 TEST_F(Video, ConsistsOfSegmentsOfAnyLength) {
   const cv::Size size(96, 64);
   for (const char* encoder : {"auto", "mpeg4"}) {
-    VideoWriter video(folder / "a.mp4", size, {.encoder = encoder});
+    const VideoTarget target{folder / "a.mp4", size, {.encoder = encoder}};
+    VideoWriter video(target);
     const std::vector<int> lengths{7, 1, 2, 3, 40, 1};
     std::vector<VideoSegment> segments;
     int first = 0;
     for (const int length : lengths) {
-      SegmentEncoder segment = video.new_segment();
+      SegmentEncoder segment(target);
       for (int i = first; i < first + length; ++i) segment.push(picture(size, i));
       segments.push_back(segment.finish());
       first += length;
     }
-    for (VideoSegment& segment : segments) video.append(std::move(segment));
+    for (const VideoSegment& segment : segments) video.append(segment);
     video.finish();
     const Decoded decoded = decode(folder / "a.mp4");
     ASSERT_EQ(decoded.luma.size(), static_cast<std::size_t>(first)) << encoder;
@@ -156,9 +158,8 @@ TEST_F(Video, DependsOnThePixelsOnly) {
   const cv::Size size(97, 65);
   const std::array<std::string, 4> names{"a.mp4", "b.mp4", "c.mp4", "d.mp4"};
   parallel_for(names.size(), [&](std::size_t k) {
-    VideoWriter video(folder / names[k], {size.width, 132});
     const auto around = static_cast<uchar>(80 * k);
-    append(video, [&](SegmentEncoder& segment) {
+    write_segment({folder / names[k], {size.width, 132}}, [&](SegmentEncoder& segment) {
       for (int i = 0; i < 20; ++i) {
         cv::Mat3b large(size.height + 2, size.width + 32, cv::Vec3b::all(around));
         const cv::Mat3b image = large(cv::Rect({0, 0}, size));
@@ -166,7 +167,6 @@ TEST_F(Video, DependsOnThePixelsOnly) {
         segment.push_stacked({image, image});
       }
     });
-    video.finish();
   });
   for (const std::string& name : names) EXPECT_EQ(read_file(folder / name), read_file(folder / names[0])) << name;
 }
@@ -190,11 +190,9 @@ TEST_F(Video, HasTheColorsOfTheStandard) {
   const cv::Size size(64, 64);
   const std::vector<std::pair<cv::Vec3b, int>> cases{
       {{255, 255, 255}, 235}, {{0, 0, 0}, 16}, {{0, 0, 255}, 63}, {{0, 255, 0}, 173}, {{255, 0, 0}, 32}};
-  VideoWriter video(folder / "a.mp4", size, {.crf = 1});
-  append(video, [&](SegmentEncoder& segment) {
+  write_segment({folder / "a.mp4", size, {.crf = 1}}, [&](SegmentEncoder& segment) {
     for (const auto& [color, luma] : cases) segment.push(cv::Mat3b(size, color));
   });
-  video.finish();
   const Decoded decoded = decode(folder / "a.mp4");
   ASSERT_EQ(decoded.luma.size(), cases.size());
   for (std::size_t i = 0; i < cases.size(); ++i) EXPECT_NEAR(decoded.luma[i](32, 32), cases[i].second, 1) << i;
@@ -202,12 +200,10 @@ TEST_F(Video, HasTheColorsOfTheStandard) {
 
 TEST_F(Video, BeginsStackedImagesOnEvenRows) {
   const cv::Size size(97, 65);
-  VideoWriter video(folder / "a.mp4", {97, 132});
-  append(video, [&](SegmentEncoder& segment) {
+  write_segment({folder / "a.mp4", {97, 132}}, [&](SegmentEncoder& segment) {
     segment.push_stacked({cv::Mat3b(size, cv::Vec3b::all(0)), cv::Mat3b(size, cv::Vec3b::all(255))});
     EXPECT_THROW(segment.push_stacked({cv::Mat3b(size)}), std::logic_error);
   });
-  video.finish();
   const Decoded decoded = decode(folder / "a.mp4");
   ASSERT_EQ(decoded.size, cv::Size(98, 132));
   EXPECT_NEAR(decoded.luma.at(0)(64, 50), 16, 8);
@@ -225,12 +221,15 @@ TEST_F(Video, IsLargerWithLowerCrfAndSupportsMpeg4) {
 
 TEST_F(Video, ExistsOnlyAfterFinish) {
   {
-    VideoWriter video(folder / "a.mp4", {96, 64});
-    append(video, [&](SegmentEncoder& segment) { segment.push(picture({96, 64}, 0)); });
+    const VideoTarget target{folder / "a.mp4", {96, 64}};
+    VideoWriter video(target);
+    SegmentEncoder segment(target);
+    segment.push(picture(target.size, 0));
+    video.append(segment.finish());
     EXPECT_FALSE(fs::exists(folder / "a.mp4"));
   }
   EXPECT_EQ(files(), 0U);
-  EXPECT_THROW(VideoWriter(folder / "none" / "a.mp4", {96, 64}), InputError);
+  EXPECT_THROW(VideoWriter({folder / "none" / "a.mp4", {96, 64}}), InputError);
 }
 
 }  // namespace

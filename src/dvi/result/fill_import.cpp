@@ -221,10 +221,14 @@ void FillImport::write_videos(Progress& progress) const {
   progress.begin("video", names_.size());
   std::size_t first = 0;
   for (const std::string& camera : list_cameras(names_)) {
-    FinishedFrames frames{{}, sizes_[first], [this, first](std::size_t i) { return read_input(first + i); }};
+    FinishedFrames frames{.out = out_,
+                          .names = {},
+                          .size = sizes_[first],
+                          .read_input = [this, first](std::size_t i) { return read_input(first + i); },
+                          .options = job_.options.video};
     for (std::size_t i = first; i < names_.size() && camera_of_frame(names_[i]) == camera; ++i)
       frames.names.push_back(names_[i]);
-    write_media(out_, frames, job_.options.video, progress.tick());
+    write_media(frames, progress.tick());
     first += frames.names.size();
   }
   progress.end();

@@ -13,7 +13,6 @@
 #include "dvi/core/frame_name.h"
 #include "dvi/core/json_optional.h"
 #include "dvi/core/json_text.h"
-#include "dvi/core/path_inside.h"
 #include "dvi/core/threads.h"
 #include "dvi/core/version.h"
 #include "dvi/inputs/collect_evidence.h"
@@ -27,11 +26,12 @@
 #include "dvi/result/map_files.h"
 #include "dvi/result/plan_manifest.h"
 #include "dvi/result/read_result.h"
-#include "dvi/result/result_media.h"
 #include "dvi/result/section_folder.h"
+#include "dvi/result/segment_store.h"
 #include "dvi/result/source_masks.h"
 #include "dvi/result/sources_json.h"
 #include "dvi/result/stage_json.h"
+#include "dvi/result/usable_folder.h"
 #include "dvi/result/write_report.h"
 
 namespace dvi::result {
@@ -44,24 +44,6 @@ nlohmann::json objects_summary(const std::vector<objects::RemovedObject>& remove
   nlohmann::json out = objects::count_objects(removed);
   out["residue"] = objects::describe_visible(removed);
   return out;
-}
-
-/// Lists the paths of all inputs, as given by the user.
-std::vector<fs::path> list_inputs(const job::Job& job) {
-  std::vector<fs::path> inputs{job.target};
-  inputs.insert(inputs.end(), job.sources.begin(), job.sources.end());
-  for (const job::MasksFrom& from : job.read.masks)
-    if (from.kind == job::MasksFrom::Kind::path) inputs.emplace_back(from.path);
-  if (!job.read.detector.empty()) inputs.emplace_back(job.read.detector);
-  if (!job.read.ego_mask.empty()) inputs.emplace_back(job.read.ego_mask);
-  if (job.read.poses.kind == job::PosesFrom::Kind::file) inputs.emplace_back(job.read.poses.file);
-  return inputs;
-}
-
-void require_apart_from(const fs::path& input, const fs::path& out) {
-  if (is_inside(input, out) || is_inside(out, input))
-    throw InputError(out, fmt::format("is, contains, or is inside of an input of the run ({})", input.string()),
-                     "choose another folder");
 }
 
 }  // namespace
@@ -77,19 +59,6 @@ std::string describe_progress(const fs::path& out) {
   if (has_sections(out)) kept.emplace_back("plans of sections");
   if (kept.empty()) return "no part is finished; the same command starts again";
   return fmt::format("{} are kept; the same command continues the run", fmt::join(kept, ", "));
-}
-
-void require_apart(const job::Job& job) {
-  for (const fs::path& input : list_inputs(job)) require_apart_from(input, job.out);
-}
-
-void require_usable_folder(const job::Job& job) {
-  const fs::path out = job.out;
-  if (fs::exists(out) && !fs::is_directory(out)) throw InputError(out, "is a file", "give a folder for the result");
-  if (job.force || !fs::exists(out) || fs::is_empty(out)) return;
-  // This test is last because a run that begins at the same time creates .dvi before anything else.
-  if (!fs::is_directory(out / ".dvi"))
-    throw InputError(out, "exists and is not a result of dvi", "choose another folder, or --force to write into it");
 }
 
 ResultFolder::ResultFolder(const job::Job& job, const inputs::Recordings& drives, std::string content)
@@ -216,22 +185,23 @@ std::string ResultFolder::frame_name(const View& view) const {
   return join_frame_name(cameras()[sequence], drives_[sequence].drive.frames[view.frame].name);
 }
 
-std::vector<std::size_t> ResultFolder::begin_fill(const Views& views, Progress& progress) {
-  const std::size_t count = views.targets();
+std::vector<std::size_t> ResultFolder::begin_fill(const Views& views, const std::vector<std::size_t>& frames,
+                                                  Progress& progress) {
   names_.clear();
-  for (std::size_t i = 0; i < count; ++i) names_.push_back(frame_name(views[i]));
-  std::vector<char> finished(count), stale(count), imported(count);
-  parallel_for(count, [&](std::size_t i) {
-    finished[i] = is_finished(names_[i]) ? 1 : 0;
-    stale[i] = finished[i] == 0 && fs::exists(frame_manifest(names_[i])) ? 1 : 0;
-    imported[i] = stale[i] != 0 && read_external_file(out_, names_[i]) ? 1 : 0;
+  for (std::size_t i = 0; i < views.targets(); ++i) names_.push_back(frame_name(views[i]));
+  std::vector<char> finished(frames.size()), stale(frames.size()), imported(frames.size());
+  parallel_for(frames.size(), [&](std::size_t i) {
+    const std::string& name = names_[frames[i]];
+    finished[i] = is_finished(name) ? 1 : 0;
+    stale[i] = finished[i] == 0 && fs::exists(frame_manifest(name)) ? 1 : 0;
+    imported[i] = stale[i] != 0 && read_external_file(out_, name) ? 1 : 0;
   });
   std::vector<std::size_t> missing;
-  for (std::size_t i = 0; i < count; ++i)
-    if (finished[i] == 0) missing.push_back(i);
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    if (finished[i] == 0) missing.push_back(frames[i]);
   if (const auto again = std::count(stale.begin(), stale.end(), 1); again > 0)
     progress.note(fmt::format("{} of {} frames in {} have other options or inputs, or are damaged: they are made again", again,
-                              count, out_.string()));
+                              frames.size(), out_.string()));
   if (const auto lost = std::count(imported.begin(), imported.end(), 1); lost > 0)
     progress.note(fmt::format("the fill of another program in {} of them is replaced; dvi import-fill imports it again", lost));
   if (!missing.empty())
@@ -341,20 +311,27 @@ std::vector<objects::RemovedObject> ResultFolder::list_removed(const RunResults&
   return all;
 }
 
-void ResultFolder::write_media(const RunResults& results, Progress& progress) const {
-  progress.begin("video", names_.size());
-  const std::vector<std::string> names = cameras();
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    const auto [first, last] = results.views.of_sequence(static_cast<int>(k));
+std::vector<FinishedFrames> ResultFolder::list_finished(const Views& views) const {
+  std::vector<FinishedFrames> cameras_frames;
+  for (std::size_t k = 0; k < cameras().size(); ++k) {
+    const auto [first, last] = views.of_sequence(static_cast<int>(k));
     const Drive& drive = drives_[k].drive;
-    const auto read_input = [&, first](std::size_t i) { return *drive.images[results.views[first + i].frame]; };
-    result::write_media(
-        out_,
-        {{names_.begin() + static_cast<std::ptrdiff_t>(first), names_.begin() + static_cast<std::ptrdiff_t>(last)},
-         {drive.camera.width, drive.camera.height},
-         read_input},
-        job_.options.video, progress.tick());
+    cameras_frames.push_back(
+        {.out = out_,
+         .names = {names_.begin() + static_cast<std::ptrdiff_t>(first), names_.begin() + static_cast<std::ptrdiff_t>(last)},
+         .size = {drive.camera.width, drive.camera.height},
+         .read_input = [&drive, &views, first](std::size_t i) { return *drive.images[views[first + i].frame]; },
+         .options = job_.options.video});
   }
+  return cameras_frames;
+}
+
+void ResultFolder::store_segments(const Views& views, const std::vector<std::size_t>& filled, Progress& progress) const {
+  std::set<std::string> names;
+  for (const std::size_t view : filled) names.insert(names_[view]);
+  progress.begin("video", 0);
+  for (const FinishedFrames& frames : list_finished(views)) result::store_segments(frames, names, progress.tick());
+  progress.end();
 }
 
 RunReport ResultFolder::complete(const RunResults& results, Progress& progress) {
@@ -375,7 +352,9 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
     remove_map();  // left by an earlier run with another method
     remove_stages(out_);
   }
-  write_media(results, progress);
+  progress.begin("video", names_.size());
+  for (const FinishedFrames& frames : list_finished(results.views)) write_media(frames, progress.tick());
+  SegmentStore(out_).remove_all();
   const metrics::FiguresWithoutTruth figures = metrics::measure_without_truth(out_, names_, progress.parts());
   progress.end();
   write_file(out_ / "dvi.toml", format_options());

@@ -13,16 +13,11 @@
 #include "dvi/objects/removed_objects.h"
 #include "dvi/result/filled_view.h"
 #include "dvi/result/result_layout.h"
+#include "dvi/result/result_media.h"
 #include "dvi/result/run_report.h"
 #include "dvi/result/stage_cache.h"
 
 namespace dvi::result {
-
-/// Throws InputError if job.out contains anything but a result of dvi, unless job.force. Changes no file.
-void require_usable_folder(const job::Job& job);
-
-/// Throws InputError if job.out is, contains, or is inside of an input of the job. Changes no file.
-void require_apart(const job::Job& job);
 
 /// The results of a run that files other than the frames are written from.
 struct RunResults {
@@ -87,9 +82,12 @@ class ResultFolder {
   /// Writes the options of the whole drive into the folder of a section.
   void write_section_options(const fs::path& section) const;
 
-  /// Returns the views of the target whose frames are not finished, ascending. If there are any, marks the result as
-  /// unfinished.
-  std::vector<std::size_t> begin_fill(const Views& views, Progress& progress);
+  /// Returns those of the given views of the target whose frames are not finished, ascending. If there are any, marks the
+  /// result as unfinished.
+  std::vector<std::size_t> begin_fill(const Views& views, const std::vector<std::size_t>& frames, Progress& progress);
+
+  /// Encodes the segments of the videos that contain these frames (result_media.h), for the process that completes the result.
+  void store_segments(const Views& views, const std::vector<std::size_t>& filled, Progress& progress) const;
 
   /// Writes the cost of these frames, for the process that completes the result.
   void write_fill_cost(const std::vector<std::size_t>& frames, const CpuClock& cpu, const Progress& progress) const;
@@ -119,7 +117,7 @@ class ResultFolder {
   std::vector<std::string> cameras() const;  ///< as list_cameras()
   std::string frame_name(const View& view) const;
   std::vector<objects::RemovedObject> list_removed(const RunResults& results) const;
-  void write_media(const RunResults& results, Progress& progress) const;
+  std::vector<FinishedFrames> list_finished(const Views& views) const;  ///< the frames of each cleaned camera
   void remove_other_frames() const;
   void remove_unlisted_files() const;
   void remove_map() const;

@@ -35,12 +35,13 @@ std::vector<std::string> list_pictures(const std::string& name) {
 
 std::vector<fs::path> list_own_folders(const fs::path& out, const std::vector<std::string>& cameras) {
   std::vector<fs::path> folders{out, out / ".dvi", out / ".dvi/frames", out / ".dvi/masks", out / ".dvi/report"};
-  std::vector<fs::path> optional{out / "map", out / "report", out / "report/before", out / "report/truth",
-                                 out / "report/sources"};
+  std::vector<fs::path> optional{out / "map",          out / "report",         out / "report/before",
+                                 out / "report/truth", out / "report/sources", out / ".dvi/video"};
   for (const std::string& camera : cameras) {
     if (!camera.empty())
       for (const fs::path& folder : {out, out / ".dvi/frames", out / ".dvi/report"}) folders.push_back(folder / camera);
     for (const std::string& folder : picture_folders()) folders.push_back(out / camera / folder);
+    if (!camera.empty()) optional.push_back(out / ".dvi/video" / camera);
     for (const char* folder : {"frames", "kind"}) optional.push_back(out / ".dvi/before_import" / camera / folder);
   }
   for (const fs::path& folder : optional)

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,6 +16,7 @@
 #include "dvi/media/image_file.h"
 #include "dvi/media/write_image.h"
 #include "dvi/report/kind_colors.h"
+#include "dvi/result/segment_store.h"
 
 namespace dvi::result {
 namespace {
@@ -48,9 +51,15 @@ cv::Mat3b mark_input(const cv::Mat3b& input, const cv::Mat1b& kind, const std::s
   return out;
 }
 
+/// The images of a finished frame.
+struct FrameImages {
+  cv::Mat3b input, result;
+  cv::Mat1b kind;
+};
+
 /// Makes a row of the contact sheet: the whole frame, then the part with most removed pixels in full size.
-std::vector<media::SheetCell> make_sheet_row(const cv::Mat3b& input, const cv::Mat3b& result, const cv::Mat1b& kind,
-                                             const std::string& name) {
+std::vector<media::SheetCell> make_sheet_row(const FrameImages& images, const std::string& name) {
+  const auto& [input, result, kind] = images;
   std::vector<cv::Vec3b> colors;
   for (const report::KindColor& k : report::kKindColors) colors.push_back(k.color);
   const cv::Mat1b mask(kind != 0);
@@ -65,41 +74,89 @@ std::vector<media::SheetCell> make_sheet_row(const cv::Mat3b& input, const cv::M
           {media::draw_label_overlay(result(part), kind(part), colors), explain_colors(kind(part))}};
 }
 
-}  // namespace
+fs::path folder_of(const FinishedFrames& frames) { return frames.out / camera_of_frame(frames.names.front()); }
 
-void write_media(const fs::path& out, const FinishedFrames& frames, const media::VideoOptions& options, const Tick& tick) {
-  const std::vector<std::string>& names = frames.names;
+media::VideoTarget video_of(const FinishedFrames& frames) {
+  return {folder_of(frames) / "video.mp4", frames.size, frames.options};
+}
+
+media::VideoTarget compare_video_of(const FinishedFrames& frames) {
   const cv::Size size = frames.size;
-  const std::string camera = camera_of_frame(names.front());
-  const fs::path folder = out / camera;
-  media::VideoWriter video(folder / "video.mp4", size, options);
-  media::VideoWriter compare(folder / "compare.mp4", {size.width, 2 * (size.height + size.height % 2)}, options);
-  std::vector<std::vector<media::SheetCell>> sheet(std::min(kSheetRows, names.size()));
-  // Rows evenly spread over the drive, the first and the last frame among them.
-  const auto frame_of_row = [&](std::size_t row) {
-    return sheet.size() > 1 ? row * (names.size() - 1) / (sheet.size() - 1) : 0;
+  return {folder_of(frames) / "compare.mp4", {size.width, 2 * (size.height + size.height % 2)}, frames.options};
+}
+
+std::span<const std::string> names_of(const FinishedFrames& frames, const media::FrameSpan& segment) {
+  return std::span(frames.names).subspan(segment.first, segment.last - segment.first);
+}
+
+FrameImages read_images(const FinishedFrames& frames, std::size_t i) {
+  return {frames.read_input(i), media::read_image(frames.out / picture_file("frames", frames.names[i]), frames.size),
+          media::read_png_gray(frames.out / picture_file("kind", frames.names[i]), frames.size)};
+}
+
+MediaSegment encode_segment(const FinishedFrames& frames, const media::FrameSpan& segment, const Tick& tick) {
+  media::SegmentEncoder video(video_of(frames)), compare(compare_video_of(frames));
+  for (std::size_t i = segment.first; i < segment.last; ++i) {
+    const FrameImages images = read_images(frames, i);
+    video.push(images.result);
+    compare.push_stacked({mark_input(images.input, images.kind, frames.names[i]), images.result});
+    tick();
+  }
+  return {video.finish(), compare.finish()};
+}
+
+std::size_t bytes_per_segment(const FinishedFrames& frames) {
+  return kVideoBytesPerPixel * static_cast<std::size_t>(frames.size.area());
+}
+
+void write_videos(const FinishedFrames& frames, const Tick& tick) {
+  const SegmentStore store(frames.out);
+  const std::vector<media::FrameSpan> segments = media::divide_into_segments(frames.names.size());
+  media::VideoWriter video(video_of(frames)), compare(compare_video_of(frames));
+  const auto make = [&](std::size_t k) {
+    std::optional<MediaSegment> stored = store.read(names_of(frames, segments[k]));
+    if (!stored) return encode_segment(frames, segments[k], tick);
+    for (std::size_t i = segments[k].first; i < segments[k].last; ++i) tick();
+    return *std::move(stored);
   };
-  const auto encode = [&](std::size_t first, std::size_t last) {
-    media::SegmentEncoder result_part = video.new_segment(), compare_part = compare.new_segment();
-    for (std::size_t i = first; i < last; ++i) {
-      const cv::Mat3b input = frames.read_input(i), result = media::read_image(out / picture_file("frames", names[i]), size);
-      const cv::Mat1b kind = media::read_png_gray(out / picture_file("kind", names[i]), size);
-      result_part.push(result);
-      compare_part.push_stacked({mark_input(input, kind, names[i]), result});
-      for (std::size_t row = 0; row < sheet.size(); ++row)
-        if (frame_of_row(row) == i) sheet[row] = make_sheet_row(input, result, kind, names[i]);
-      tick();
-    }
-    return std::pair(result_part.finish(), compare_part.finish());
+  const auto append = [&](std::size_t, const MediaSegment& segment) {
+    video.append(segment.result);
+    compare.append(segment.compare);
   };
-  const auto append = [&](std::pair<media::VideoSegment, media::VideoSegment> parts) {
-    video.append(std::move(parts.first));
-    compare.append(std::move(parts.second));
-  };
-  media::encode_segments(names.size(), encode, append, kVideoBytesPerPixel * static_cast<std::size_t>(size.area()));
+  make_and_use(segments.size(), make, append, bytes_per_segment(frames));
   video.finish();
   compare.finish();
-  media::write_png(folder / "contact.png", media::make_contact_sheet(sheet, kCellWidthPx));
+}
+
+/// Writes rows of frames that are evenly spread over the drive, the first and the last among them.
+void write_contact_sheet(const FinishedFrames& frames) {
+  std::vector<std::vector<media::SheetCell>> rows(std::min(kSheetRows, frames.names.size()));
+  parallel_for(rows.size(), [&](std::size_t row) {
+    const std::size_t i = rows.size() > 1 ? row * (frames.names.size() - 1) / (rows.size() - 1) : 0;
+    rows[row] = make_sheet_row(read_images(frames, i), frames.names[i]);
+  });
+  media::write_png(folder_of(frames) / "contact.png", media::make_contact_sheet(rows, kCellWidthPx));
+}
+
+}  // namespace
+
+void write_media(const FinishedFrames& frames, const Tick& tick) {
+  write_videos(frames, tick);
+  write_contact_sheet(frames);
+}
+
+void store_segments(const FinishedFrames& frames, const std::set<std::string>& filled, const Tick& tick) {
+  const SegmentStore store(frames.out);
+  std::vector<media::FrameSpan> missing = media::divide_into_segments(frames.names.size());
+  std::erase_if(missing, [&](const media::FrameSpan& segment) {
+    const std::span<const std::string> names = names_of(frames, segment);
+    return std::none_of(names.begin(), names.end(), [&](const std::string& name) { return filled.contains(name); }) ||
+           !store.lacks(names);
+  });
+  make_and_use(
+      missing.size(), [&](std::size_t k) { return encode_segment(frames, missing[k], tick); },
+      [&](std::size_t k, const MediaSegment& segment) { store.write(names_of(frames, missing[k]), segment); },
+      bytes_per_segment(frames));
 }
 
 }  // namespace dvi::result

@@ -71,8 +71,11 @@ class DriveRun {
   sections::PlannedSection load_section(const sections::Section& section) const;
   map::StaticMap load_map() const;
 
-  /// Returns the views of the target whose frames are not finished, ascending.
-  std::vector<std::size_t> begin_fill() { return folder_.begin_fill(views_, progress_); }
+  /// As those of ResultFolder.
+  std::vector<std::size_t> begin_fill(const std::vector<std::size_t>& frames) {
+    return folder_.begin_fill(views_, frames, progress_);
+  }
+  void store_segments(const std::vector<std::size_t>& filled) const { folder_.store_segments(views_, filled, progress_); }
   const inputs::Recordings& drives() const { return drives_; }
   const Views& views() const { return views_; }
   std::size_t frames() const { return views_.targets(); }

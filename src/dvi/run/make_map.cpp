@@ -11,8 +11,8 @@
 #include "dvi/inputs/collect_evidence.h"
 #include "dvi/inputs/make_views.h"
 #include "dvi/result/map_files.h"
-#include "dvi/result/result_folder.h"
 #include "dvi/result/stage_json.h"
+#include "dvi/result/usable_folder.h"
 
 namespace dvi::run {
 namespace {

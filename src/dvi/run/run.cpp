@@ -13,6 +13,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/result/plan_manifest.h"
+#include "dvi/result/usable_folder.h"
 #include "dvi/run/drive_run.h"
 #include "dvi/run/run_baseline.h"
 #include "dvi/run/sectioned_run.h"
@@ -32,16 +33,16 @@ std::vector<int> numbers_of(const Planned& run, const std::vector<std::size_t>& 
 }
 
 template <class Planned>
-std::vector<int> all_numbers(const Planned& run) {
+std::vector<std::size_t> all_frames(const Planned& run) {
   std::vector<std::size_t> frames(run.frames());
   std::iota(frames.begin(), frames.end(), std::size_t{0});
-  return numbers_of(run, frames);
+  return frames;
 }
 
 /// Returns "A:B" for each range of consecutive frames.
 template <class Planned>
 std::vector<std::string> ranges_of(const Planned& run, const std::vector<std::size_t>& frames) {
-  const std::vector<int> all = all_numbers(run), numbers = numbers_of(run, frames);
+  const std::vector<int> all = numbers_of(run, all_frames(run)), numbers = numbers_of(run, frames);
   std::vector<std::string> out;
   for (auto first = numbers.begin(); first != numbers.end();) {
     const auto in_all = std::lower_bound(all.begin(), all.end(), *first);
@@ -54,15 +55,16 @@ std::vector<std::string> ranges_of(const Planned& run, const std::vector<std::si
 
 template <class Planned>
 PlanReport report_plan(Planned& run) {
-  PlanReport report{.frames = all_numbers(run)};
-  report.finished = report.frames.size() - numbers_of(run, run.begin_fill()).size();
+  const std::vector<std::size_t> frames = all_frames(run);
+  PlanReport report{.frames = numbers_of(run, frames)};
+  report.finished = report.frames.size() - numbers_of(run, run.begin_fill(frames)).size();
   return report;
 }
 
 /// Fills the missing frames of a run, and completes it.
 template <class Planned>
 result::RunReport fill_and_finish(Planned& run, const FrameSink& sink) {
-  const std::vector<std::size_t> missing = run.begin_fill();
+  const std::vector<std::size_t> missing = run.begin_fill(all_frames(run));
   if (sink.begin) sink.begin({run.folder().frame_names(), run.views().targets_in_time(), missing});
   run.fill_frames(missing, sink.finished);
   return run.finish();
@@ -70,21 +72,19 @@ result::RunReport fill_and_finish(Planned& run, const FrameSink& sink) {
 
 template <class Planned>
 FillReport fill_range(Planned& run, const job::Job& job, const std::optional<FrameRange>& range, Progress& progress) {
-  const auto is_in_range = [&](std::size_t i) { return !range || range->contains(run.number_of(i)); };
-  FillReport report;
-  for (std::size_t i = 0; i < run.frames(); ++i) report.frames += is_in_range(i) ? 1 : 0;
-  if (report.frames == 0) throw InputError(job.out, fmt::format("has no frames {}:{}", range->first, range->last));
-  std::vector<std::size_t> missing = run.begin_fill();
-  std::erase_if(missing, [&](std::size_t i) { return !is_in_range(i); });
+  std::vector<std::size_t> frames = all_frames(run);
+  if (range) std::erase_if(frames, [&](std::size_t i) { return !range->contains(run.number_of(i)); });
+  if (frames.empty()) throw InputError(job.out, fmt::format("has no frames {}:{}", range->first, range->last));
+  const std::vector<std::size_t> missing = run.begin_fill(frames);
   run.fill_frames(missing);
+  run.store_segments(frames);
   run.folder().write_fill_cost(missing, run.cpu(), progress);
-  report.filled = missing.size();
-  return report;
+  return {.frames = frames.size(), .filled = missing.size()};
 }
 
 template <class Planned>
 result::RunReport finish_plan(Planned& run, const job::Job& job) {
-  if (const std::vector<std::size_t> missing = run.begin_fill(); !missing.empty()) {
+  if (const std::vector<std::size_t> missing = run.begin_fill(all_frames(run)); !missing.empty()) {
     const std::vector<std::string> ranges = ranges_of(run, missing);
     throw InputError(job.out, fmt::format("lacks {} of {} frames: {}", missing.size(), run.frames(), fmt::join(ranges, ", ")),
                      fmt::format("dvi fill {} --frames {} fills the first range", job.out, ranges.front()));

@@ -1,5 +1,7 @@
 #include "dvi/run/run_baseline.h"
 
+#include <numeric>
+
 #include "dvi/baselines/baselines.h"
 #include "dvi/inputs/collect_evidence.h"
 #include "dvi/inputs/make_views.h"
@@ -39,7 +41,9 @@ result::RunReport run_baseline(const job::Job& job, Progress& progress, const Fr
   const Views views = inputs::make_unposed_views(drives, masks);
   const align::Cameras cameras(views);
   result::CpuClock cpu;
-  const std::vector<std::size_t> missing = out.begin_fill(views, progress);
+  std::vector<std::size_t> all(views.targets());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  const std::vector<std::size_t> missing = out.begin_fill(views, all, progress);
   if (sink.begin) sink.begin({out.frame_names(), views.targets_in_time(), missing});
   const auto finish_frame = [&](std::size_t number, const harmonize::FilledFrame& frame) {
     if (sink.finished) sink.finished(number, frame);

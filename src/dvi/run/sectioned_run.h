@@ -41,7 +41,10 @@ class SectionedRun {
   const Views& views() const { return views_; }
   std::size_t frames() const { return views_.targets(); }
   int number_of(std::size_t frame) const { return drives_.front().drive.frames[views_[frame].frame].number; }
-  std::vector<std::size_t> begin_fill() { return folder_->begin_fill(views_, progress_); }
+  std::vector<std::size_t> begin_fill(const std::vector<std::size_t>& frames) {
+    return folder_->begin_fill(views_, frames, progress_);
+  }
+  void store_segments(const std::vector<std::size_t>& filled) const { folder_->store_segments(views_, filled, progress_); }
   void fill_frames(const std::vector<std::size_t>& frames, const result::FinishedFrame& hand_on = {});
   result::RunReport finish();
   result::CpuClock& cpu() { return cpu_; }
