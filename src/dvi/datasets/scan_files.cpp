@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
+#include <mutex>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -70,6 +73,23 @@ media::PointTimes find_point_times(Drive& drive, const media::PointCloud& cloud,
   return times;
 }
 
+/// The scans whose columns were checked. Scans are read several times.
+class CheckedScans {
+ public:
+  bool contains(const fs::path& file) const {
+    const std::scoped_lock lock(mutex_);
+    return files_.contains(file);
+  }
+  void insert(const fs::path& file) {
+    const std::scoped_lock lock(mutex_);
+    files_.insert(file);
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::set<fs::path> files_;
+};
+
 }  // namespace
 
 Scan ScanFiles::read(const ScanHeader& header) const {
@@ -105,7 +125,13 @@ void attach_scan_files(DriveContents& recording, const LidarConfig& config, cons
   recording.inspect_scans = [config, rotation](DriveContents& cut) {
     const ScanFiles files = inspect_scan_files(cut.drive, config, rotation);
     cut.point_bytes = files.bin.shape().point_bytes();
-    cut.read_scan = [files](const ScanHeader& header) { return files.read(header); };
+    cut.read_scan = [files, checked = std::make_shared<CheckedScans>()](const ScanHeader& header) {
+      ScanFiles known = files;
+      known.bin.stated = files.bin.stated || checked->contains(header.file);
+      Scan scan = known.read(header);
+      checked->insert(header.file);
+      return scan;
+    };
   };
 }
 

@@ -32,7 +32,7 @@ struct BinLayout {
   /// The names x, y, z, intensity, ring, and t are used; columns with other names are ignored.
   std::vector<std::string> columns = {"x", "y", "z", "intensity"};
 
-  bool stated = false;  ///< stated by the user: it holds even if the values contradict it
+  bool stated = false;  ///< stated by the user, or checked before: it is not compared with the values of a file
 
   BinShape shape() const { return {scalar_bytes, columns.size()}; }
   /// Formats the layout: "5 columns of float32: x y z intensity ring".
