@@ -125,7 +125,7 @@ TEST_F(Run, KeepsFinishedFramesAndMakesMissingOnes) {
   ASSERT_EQ(again.code, 0) << again.err;
   EXPECT_EQ(fs::last_write_time(first), time) << "a finished frame is not written again";
   EXPECT_TRUE(contents(folder / "out") == before);
-  EXPECT_THAT(again.err, HasSubstr("alignment, exposure, map, objects, poses of an earlier call are used"));
+  EXPECT_THAT(again.err, HasSubstr("alignment, exposure, ground, map, objects, poses of an earlier call are used"));
   for (const char* stage : {"read:", "odometry:", "carve:", "exposure:", "align:"})
     EXPECT_THAT(again.err, Not(HasSubstr(std::string("\n") + stage))) << "the stage is kept";
   EXPECT_EQ(timeless(report()), earlier) << "poses, map, warnings as on the first call";
@@ -255,7 +255,7 @@ TEST_F(Run, OptionsOfTheFillKeepTheStagesBeforeIt) {
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
   const Result fill = dvi("run drive -o out --frames 0:5 --set harmonize.poisson=false --set job.memory_mb=16");
   ASSERT_EQ(fill.code, 0) << fill.err;
-  EXPECT_THAT(fill.err, HasSubstr("alignment, exposure, map, objects, poses of an earlier call are used"));
+  EXPECT_THAT(fill.err, HasSubstr("alignment, exposure, ground, map, objects, poses of an earlier call are used"));
   const Result stages = dvi("run drive -o out --set map.voxel_m=0.1");
   ASSERT_EQ(stages.code, 0) << stages.err;
   EXPECT_THAT(stages.err, Not(HasSubstr("of an earlier call")));
