@@ -20,7 +20,7 @@ struct CameraObjects {
   SharedLabels labels;                  ///< labels of the objects, per frame
   SharedLabels completed;               ///< outlines of the parts of objects that the masks lack, per frame
   SharedLabels shown;                   ///< outlines of the parts of completed objects that the masks show, per frame
-  SharedLabels background;              ///< outlines of the background that bounding boxes cover, per frame
+  SharedLabels background;              ///< outlines of the surroundings that bounding boxes cover, per frame
   std::vector<ObjectMotion> motions{};  ///< of the objects whose motion is known, by number
 
   /// Makes objects that only have labels.

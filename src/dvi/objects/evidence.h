@@ -30,14 +30,14 @@ constexpr auto names_of(Remove) {
 /// Options of objects.
 struct ObjectOptions {
   bool complete = true;  ///< whether objects are completed in frames and cameras whose masks lack them
-  bool refine = true;    ///< whether background that bounding boxes cover is not removed
+  bool refine = true;    ///< whether surroundings that bounding boxes cover are not removed
 
   void describe(OptionTable& table) {
     table.section("objects");
     table.add("complete", complete,
               "Remove an object also from frames and cameras in which its masks, labels, or detections are missing.");
     table.developer();
-    table.add("refine", refine, "Keep the background that bounding boxes cover.");
+    table.add("refine", refine, "Keep the background that bounding boxes cover, and things in front of labeled boxes.");
   }
 };
 

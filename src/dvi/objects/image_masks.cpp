@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "dvi/drive/image_returns.h"
 #include "dvi/drive/posed_view.h"
 #include "dvi/objects/image_tracking.h"
 #include "dvi/objects/shadows.h"
@@ -27,6 +28,13 @@ struct PosedFrames {
     const auto frame = [list = views.views](std::size_t i) { return list[i].frame; };
     views.images = Lazy<cv::Mat3b>::through(views.size(), [=, of = drive.images](std::size_t i) { return of[frame(i)]; });
     views.masks = Lazy<cv::Mat1b>::through(views.size(), [=](std::size_t i) { return masks[frame(i)]; });
+  }
+
+  // Both must outlive the views.
+  void add_returns(const Drive& drive, const Trajectory& world_from_lidar) {
+    views.returns = Lazy<std::vector<ImageReturn>>(views.size(), [&, list = views.views](std::size_t i) {
+      return project_returns(drive, list[i].frame, world_from_lidar);
+    });
   }
 
   // Converts masks per view to masks per frame. Frames without a pose get their mask from `unposed`.
@@ -66,7 +74,8 @@ Lazy<cv::Mat1b> refine_masks(const CameraRef& ref, const Lazy<cv::Mat1b>& masks,
     out = posed.to_frames(refine_silhouettes(posed.views, depth, ground), out);
   }
   if (refinement.shadows) {
-    const PosedFrames posed(drive, world_from_lidar, out);
+    PosedFrames posed(drive, world_from_lidar, out);
+    posed.add_returns(drive, world_from_lidar);
     out = posed.to_frames(add_shadows(posed.views, ground), out);
   }
   return out;

@@ -168,6 +168,32 @@ TEST(Shadows, AreAddedToTheMaskAlsoIfTheExposureDrifts) {
   }
 }
 
+TEST(Shadows, AreNotFoundOnThingsThatHideTheGround) {
+  const PlainDrive plain(40, 0);
+  const auto ground = std::make_shared<const ground::ScanGround>(plain.drive, plain.drive.poses);
+  ShadowedViews filmed(plain.drive, ShadowedViews::Shadow::cast);
+  constexpr std::size_t kFrame = 8;
+  cv::Rect hidden = cv::boundingRect(filmed.shadows[kFrame]);
+  hidden = {hidden.x, hidden.y - 12, hidden.width / 3, hidden.height + 12};
+  const auto seen_through = add_shadows(filmed.views, ground)[kFrame];
+  filmed.views.returns = Lazy<std::vector<ImageReturn>>(filmed.views.size(), [hidden](std::size_t) {
+    std::vector<ImageReturn> returns;
+    for (int y = hidden.y; y < hidden.br().y; y += 3)
+      for (int x = hidden.x; x < hidden.br().x; ++x)
+        returns.push_back({static_cast<float>(x), static_cast<float>(y), 4});  // on a trunk, nearer than the ground
+    return returns;
+  });
+  const auto mask = add_shadows(filmed.views, ground)[kFrame];
+  const cv::Mat1b base = *filmed.views.masks[kFrame], shadow(filmed.shadows[kFrame] & ~base);
+  cv::Mat1b on_trunk(mask->size(), uchar{0}), beside = shadow.clone();
+  on_trunk(hidden) = 255;
+  beside.setTo(0, on_trunk);
+  on_trunk.setTo(0, grown(cv::Mat1b(base | beside), 6));  // shadows have a margin
+  ASSERT_GT(cv::countNonZero(*seen_through & on_trunk), 15);
+  EXPECT_EQ(cv::countNonZero(*mask & on_trunk), 0);
+  EXPECT_GT(cv::countNonZero(*mask & beside), 0.5 * cv::countNonZero(beside));
+}
+
 TEST(Shadows, AreNotFoundOnDarkGroundOrWithoutOtherViews) {
   const PlainDrive plain(40, 0);
   const auto ground = std::make_shared<const ground::ScanGround>(plain.drive, plain.drive.poses);

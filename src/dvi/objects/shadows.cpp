@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
@@ -9,6 +10,7 @@
 #include "dvi/image/region.h"
 #include "dvi/objects/background_model.h"
 #include "dvi/objects/cache_masks.h"
+#include "dvi/objects/close_returns.h"
 
 namespace dvi::objects {
 namespace {
@@ -24,6 +26,7 @@ struct ShadowParams {
   int margin_px = 2;              ///< pixels of half size around a shadow
   int exposure_step_px = 12;      ///< pixels of half size between the samples for the exposure
   int min_band_px = 8;            ///< pixels of half size around a part of the mask that are searched
+  double min_height_m = 0.3;      ///< above the ground, of returns that lie on upright surfaces
   int view_width_bands = 8;       ///< width of a view in units of the widest searched band
 };
 constexpr ShadowParams kShadows{};
@@ -37,7 +40,9 @@ class ShadowFinder {
     const cv::Mat1b mask = *others_.views().masks[target];
     if (cv::countNonZero(mask) == 0) return mask;
     const auto half = others_.half_size_view(target);
-    const std::vector<HalfSizePixel> band = find_ground(target, find_band(half->mask), 1);
+    cv::Mat1b band_mask = find_band(half->mask);
+    band_mask.setTo(0, find_upright(target, band_mask.size()));
+    const std::vector<HalfSizePixel> band = find_ground(target, band_mask, 1);
     const std::vector<HalfSizePixel> exposure = find_ground(target, cv::Mat1b(half->mask == 0), kShadows.exposure_step_px);
     const std::vector<std::vector<cv::Vec3f>> colors = others_.sample_colors({target, kShadows.time_offsets_s, band, exposure});
     cv::Mat1b differs(half->mask.size(), uchar{0}), unobserved = differs.clone();
@@ -66,6 +71,23 @@ class ShadowFinder {
     }
     band.setTo(0, mask);
     return band;
+  }
+
+  // Returns the pixels of half size that show upright surfaces, which hide the ground.
+  cv::Mat1b find_upright(std::size_t target, cv::Size half) const {
+    const Views& views = others_.views();
+    if (views.returns.empty()) return {half, uchar{0}};
+    const Camera& camera = views[target].camera;
+    const SE3 world_from_camera = views[target].camera_from_world.inverse();
+    cv::Mat1b returns(camera.height, camera.width, uchar{0});
+    for (const ImageReturn& r : *views.returns[target]) {
+      const Eigen::Vector3d world = world_from_camera * (static_cast<double>(r[2]) * camera.ray({r[0], r[1]}));
+      const std::optional<double> ground_m = ground_->height(world.head<2>());
+      if (ground_m && world.z() > *ground_m + kShadows.min_height_m) returns(cvRound(r[1]), cvRound(r[0])) = 255;
+    }
+    cv::Mat1b upright;
+    cv::resize(close_returns(returns, camera), upright, half, 0, 0, cv::INTER_NEAREST);
+    return upright;
   }
 
   // Returns every `step`-th pixel of a mask that shows the ground.

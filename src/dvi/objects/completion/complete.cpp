@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
@@ -16,25 +17,24 @@
 #include "dvi/image/enlarge.h"
 #include "dvi/image/nearest_pixel.h"
 #include "dvi/image/region.h"
+#include "dvi/objects/close_returns.h"
 #include "dvi/objects/completion/box_masks.h"
 #include "dvi/objects/completion/identities.h"
 #include "dvi/objects/completion/object_columns.h"
+#include "dvi/objects/completion/removed_tracks.h"
 #include "dvi/objects/seconds.h"
 
 namespace dvi::objects {
 namespace {
 
 struct CompletionParams {
-  double min_masked_share = 0.5;     ///< masked share of a track's visible returns in a scan in which masks show it
-  std::size_t min_masked_scans = 2;  ///< scans in which masks show a track
-  double min_track_share = 0.2;      ///< the same, as a share of the scans in which the track is visible
-  double max_covered_share = 0.5;    ///< of a track's outline, from which the mask shows the object in this frame
-  double static_s = 1;               ///< time over which scans observe a voxel of a stationary object
-  double max_range_m = 200;          ///< farther objects cover a few pixels
-  double border_m = 0.35;            ///< deviation of an object's drawn outline from its true one
-  int min_border_px = 3;             ///< deviation of masks from the true outline
-  double ground_m = 0.2;             ///< height above the ground up to which returns are on the ground
-  int shadow_columns = 4;            ///< columns around an object whose ground its shadow may cover: 1 m
+  double max_covered_share = 0.5;  ///< of a track's outline, from which the mask shows the object in this frame
+  double static_s = 1;             ///< time over which scans observe a voxel of a stationary object
+  double max_range_m = 200;        ///< farther objects cover a few pixels
+  double border_m = 0.35;          ///< deviation of an object's drawn outline from its true one
+  int min_border_px = 3;           ///< deviation of masks from the true outline
+  double ground_m = 0.2;           ///< height above the ground up to which returns are on the ground
+  int shadow_columns = 4;          ///< columns around an object whose ground its shadow may cover: 1 m
   /// Time to the scans that show whether something moves.
   std::array<double, 4> compared_s{-1, -0.5, 0.5, 1};
   float max_parallax_px = 12;     ///< distance to an object in the image up to which it may hide a return from the camera
@@ -43,55 +43,9 @@ struct CompletionParams {
   int body_margin_px = 2;         ///< ... and in pixels
   double object_margin_m = 0.08;  ///< by which objects extend beyond their silhouettes: roofs and glass return little
   double top_margin_m = 0.3;      ///< returns this far above an object are behind it
+  double front_m = 0.5;           ///< distance of things in front of an object
 };
 constexpr CompletionParams kCompletion;
-
-// Counts the scans in which masks show a track.
-class TrackEvidence {
- public:
-  void add(const Cluster& observation, const std::vector<MaskedSurfaces>& images) {
-    std::size_t visible = 0, masked = 0;
-    for (const MaskedSurfaces& image : images)
-      for (const Eigen::Vector3d& point : observation.points) {
-        const std::optional<bool> is_masked = image.shows_masked(point);
-        visible += is_masked.has_value();
-        masked += is_masked.value_or(false);
-      }
-    if (visible == 0) return;
-    ++visible_scans_;
-    masked_scans_ += static_cast<double>(masked) >= kCompletion.min_masked_share * static_cast<double>(visible);
-  }
-
-  bool is_removed() const {
-    return masked_scans_ >= kCompletion.min_masked_scans &&
-           static_cast<double>(masked_scans_) >= kCompletion.min_track_share * static_cast<double>(visible_scans_);
-  }
-
- private:
-  std::size_t visible_scans_ = 0, masked_scans_ = 0;
-};
-
-// Returns the tracks that masks show.
-std::vector<Track> find_removed_tracks(const CompletionInput& input) {
-  std::vector<std::vector<std::pair<std::size_t, const Cluster*>>> observations(input.returns.scans());
-  for (std::size_t k = 0; k < input.tracks.size(); ++k)
-    for (const Cluster& observation : input.tracks[k].observations)
-      observations[observation.scan].emplace_back(k, &observation);
-  std::vector<TrackEvidence> evidence(input.tracks.size());
-  for (std::size_t scan = 0; scan < observations.size(); ++scan) {
-    if (observations[scan].empty()) continue;
-    const std::int64_t time_ns = observations[scan].front().second->mean_time_ns;
-    std::vector<MaskedSurfaces> images;
-    for (const CameraMaskEvidence& camera : input.cameras)
-      if (const auto frame = find_masked_frame(camera, time_ns))
-        images.emplace_back(*frame, input.returns.obstacles(scan)->points);
-    for (const auto& [track, observation] : observations[scan]) evidence[track].add(*observation, images);
-  }
-  std::vector<Track> removed;
-  for (std::size_t k = 0; k < input.tracks.size(); ++k)
-    if (evidence[k].is_removed()) removed.push_back(input.tracks[k]);
-  return removed;
-}
 
 int to_pixels(double meters, double depth_m, const Camera& camera) {
   return cvRound(meters * camera.fx / std::max(depth_m, 1.0));
@@ -130,7 +84,7 @@ CompletedObjects::CompletedObjects(const CompletionInput& input, const Tick& tic
   if (input.cameras.empty()) return;
   const CameraMaskEvidence& own = input.cameras.front();
   std::vector<OccupiedVoxel> voxels = find_object_space(input.cameras, input.returns, tick);
-  std::vector<Track> tracks = find_removed_tracks(input);
+  std::vector<Track> tracks = find_removed_tracks(input.cameras, input.returns, input.tracks);
   const Identities identities = identify(own, {voxels, tracks, input.returns});
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     CompletedObject& object = objects_[identities.of_voxel[i]];
@@ -157,8 +111,8 @@ class CompletedObjects::FrameDrawing {
     if (scan_) space_ = objects.returns_.free_space(*scan_);
   }
 
-  // Draws an object into the outlines of the frame: where `mask` lacks it, and where the mask shows it.
-  void draw(int number, const CompletedObject& object, const cv::Mat1b& mask, ObjectOutlines& out) {
+  // Draws an object into the frame: where `mask` lacks it, and where the mask shows it.
+  void draw(int number, const CompletedObject& object, const cv::Mat1b& mask) {
     const ObjectColumns occupied = fill_columns(object);
     std::vector<ObjectColumns> moving;
     for (const Track& track : object.tracks)
@@ -166,7 +120,6 @@ class CompletedObjects::FrameDrawing {
         moving.push_back(std::move(columns));
     const std::optional<Box> box = find_visible_box(object);
     if (occupied.empty() && moving.empty() && !box) return;
-    const std::string type = object.boxes ? object.boxes->type() : "";
     cv::Mat1b lacking(mask.size(), uchar{0}), covered = lacking.clone();
     const auto add = [&](const cv::Mat1b& drawn, double depth_m, double max_covered_share) {
       covered |= drawn & mask;
@@ -182,7 +135,8 @@ class CompletedObjects::FrameDrawing {
       columns_.add(columns);
       const cv::Mat1b drawn = columns.draw(all_.ground_, drive_.camera, camera_from_world_);
       const double depth_m = columns.nearest_m(drive_.camera, camera_from_world_);
-      bodies_.push_back({drawn, kCompletion.body_margin_px + to_pixels(kCompletion.body_margin_m, depth_m, drive_.camera)});
+      bodies_.push_back(
+          {drawn, kCompletion.body_margin_px + to_pixels(kCompletion.body_margin_m, depth_m, drive_.camera), depth_m});
       add(drawn, depth_m, max_covered_share);
     };
     add_columns(occupied, 1);
@@ -190,36 +144,70 @@ class CompletedObjects::FrameDrawing {
     if (box) {
       const cv::Mat1b drawn = draw_box(*box);
       add(drawn, drive_.camera.depth(camera_from_world_ * box->frame_from_box.t), 1);
-      bodies_.push_back({drawn, 0});
+      bodies_.push_back({drawn, 0, find_nearest_depth(*box)});
     }
-    add_label(number, type, lacking, out.completed[frame_]);
-    add_label(number, type, covered, out.shown[frame_]);
+    drawn_.push_back({number, object.boxes ? object.boxes->type() : "", lacking, covered});
+  }
+
+  // Adds the objects to the outlines of the frame, except for the pixels of things in front of them.
+  void add_outlines(const cv::Mat1b& foreground, ObjectOutlines& out) const {
+    for (const DrawnObject& object : drawn_) {
+      add_label(object, cv::Mat1b(object.lacking & ~foreground), out.completed[frame_]);
+      add_label(object, cv::Mat1b(object.covered & ~foreground), out.shown[frame_]);
+    }
   }
 
   // Returns the background that bounding boxes of a mask cover, once all objects are drawn.
-  cv::Mat1b find_covered_background(std::size_t frame, const cv::Mat1b& mask, const Trajectory& world_from_lidar) const {
+  cv::Mat1b find_covered_background(const cv::Mat1b& mask, const std::vector<ImageReturn>& returns) const {
     cv::Mat1b out(mask.size(), uchar{0});
     if (columns_.empty() || !scan_) return out;
     const std::vector<BoxPart> parts = find_box_parts(mask);
     if (parts.empty()) return out;
-    const BoxSeeds seeds = find_seeds(project_returns(drive_, frame, world_from_lidar));
-    const auto image = drive_.images[frame];
+    const BoxSeeds seeds = find_seeds(returns);
+    const auto image = drive_.images[frame_];
     for (const BoxPart& part : parts) find_background(part, *image, seeds).copyTo(out(part.area), part.mask);
     for (const Body& body : bodies_) out.setTo(0, draw_convex_hull(grown_far(body.drawn, -body.margin_px)));
     return out;
   }
 
+  // Returns the pixels of the drawn objects that show things in front of all of them, such as trunks and poles.
+  cv::Mat1b find_foreground(const std::vector<ImageReturn>& returns) const {
+    const cv::Size size(drive_.camera.width, drive_.camera.height);
+    cv::Mat1b seeds(size, uchar{0});
+    cv::Mat1f nearest_m(size, std::numeric_limits<float>::infinity());
+    for (const Body& body : bodies_) {
+      const cv::Mat1b is_nearest(body.drawn & (nearest_m > body.depth_m));
+      nearest_m.setTo(body.depth_m, is_nearest);
+    }
+    const SE3 world_from_camera = camera_from_world_.inverse();
+    for (const ImageReturn& r : returns) {
+      const cv::Point pixel(cvRound(r[0]), cvRound(r[1]));
+      if (!std::isfinite(nearest_m(pixel)) || r[2] + kCompletion.front_m > nearest_m(pixel)) continue;
+      const Eigen::Vector3d world = world_from_camera * (static_cast<double>(r[2]) * drive_.camera.ray({r[0], r[1]}));
+      if (classify(world) == Kind::background && !is_on_ground(world)) seeds(pixel) = 255;
+    }
+    return close_returns(seeds, drive_.camera);
+  }
+
  private:
   struct Body {
     cv::Mat1b drawn;
-    int margin_px;  // by which it is drawn larger than it is
+    int margin_px;   // by which it is drawn larger than it is
+    double depth_m;  // depth of its nearest part
   };
 
-  static void add_label(int number, const std::string& type, const cv::Mat1b& drawn, std::vector<Label>& labels) {
+  // An object where the mask of the frame lacks it, and where the mask shows it.
+  struct DrawnObject {
+    int number;
+    std::string type;
+    cv::Mat1b lacking, covered;
+  };
+
+  static void add_label(const DrawnObject& object, const cv::Mat1b& drawn, std::vector<Label>& labels) {
     if (cv::countNonZero(drawn) == 0) return;
     Label label;
-    label.track = number;
-    label.type = type;
+    label.track = object.number;
+    label.type = object.type;
     label.instance = to_outline(drawn);
     labels.push_back(std::move(label));
   }
@@ -248,6 +236,11 @@ class CompletedObjects::FrameDrawing {
     if (top_m) return world.z() < *top_m + kCompletion.top_margin_m ? Kind::object : Kind::background;
     if (!ground_m || world.z() > *ground_m + kCompletion.max_object_m) return Kind::background;
     return find_motion(world);
+  }
+
+  bool is_on_ground(const Eigen::Vector3d& world) const {
+    const std::optional<double> ground_m = all_.ground_.height(world.head<2>());
+    return ground_m && world.z() < *ground_m + kCompletion.ground_m;
   }
 
   // Sorts the returns of the scan, which are in the image, into objects and background. The scanner observes the background
@@ -326,6 +319,14 @@ class CompletedObjects::FrameDrawing {
     return space_ && is_absent_or_hidden(*box, *space_) ? std::nullopt : box;
   }
 
+  // Returns the depth of the nearest corner of a box.
+  double find_nearest_depth(const Box& world) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Eigen::Vector3d& corner : world.corners())
+      nearest = std::min(nearest, drive_.camera.depth(camera_from_world_ * corner));
+    return nearest;
+  }
+
   cv::Mat1b draw_box(const Box& world) const {
     Label label;
     label.box = Box{lidar_from_world_ * world.frame_from_box, world.size};
@@ -346,6 +347,7 @@ class CompletedObjects::FrameDrawing {
   std::shared_ptr<const FreeSpace> space_;
   ObjectColumns columns_;     // the objects, as far as scans show them
   std::vector<Body> bodies_;  // the same in the image, and labeled 3D boxes
+  std::vector<DrawnObject> drawn_;
 };
 
 ObjectOutlines CompletedObjects::draw(const CameraMaskEvidence& evidence) const {
@@ -358,9 +360,13 @@ ObjectOutlines CompletedObjects::draw(const CameraMaskEvidence& evidence) const 
     if (!pose) return;
     FrameDrawing drawing(*this, camera, i, *pose);
     const auto mask = evidence.removed[i];
-    for (const auto& [number, object] : objects_) drawing.draw(number, object, *mask, out);
+    for (const auto& [number, object] : objects_) drawing.draw(number, object, *mask);
+    const std::vector<ImageReturn> returns = project_returns(camera.drive, i, camera.world_from_lidar);
+    const cv::Mat1b foreground = drawing.find_foreground(returns);
+    drawing.add_outlines(foreground, out);
     if (!refine_) return;
-    cv::Mat1b background = drawing.find_covered_background(i, *evidence.masks[i], camera.world_from_lidar);
+    cv::Mat1b background = drawing.find_covered_background(*evidence.masks[i], returns);
+    background |= foreground & *mask & ~*evidence.masks[i];  // masks without boxes show their objects themselves
     if (!fixed.empty()) background.setTo(0, fixed);
     if (cv::countNonZero(background) == 0) return;
     out.background[i].emplace_back();

@@ -26,14 +26,14 @@ struct CompletionInput {
   const ground::ScanGround& ground;
   const std::vector<Track>& tracks;  ///< the moving objects of the drive, whether masks show them or not
   const MaskOptions& options;        ///< of the masks of labels
-  bool refine = true;                ///< whether the background that bounding boxes cover is found
+  bool refine = true;                ///< whether the surroundings that bounding boxes cover are found
 };
 
 /// Outlines of objects in the frames of one camera. The track of a label is the number of its object.
 struct ObjectOutlines {
   FrameLabels completed;   ///< per frame: the parts of objects that masks lack
   FrameLabels shown;       ///< per frame: the parts that masks show
-  FrameLabels background;  ///< per frame: the background that bounding boxes cover, of all objects together
+  FrameLabels background;  ///< per frame: the surroundings that bounding boxes cover, behind and in front of all objects
 };
 
 /// The data of one object from which it is drawn.

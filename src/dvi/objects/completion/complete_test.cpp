@@ -13,6 +13,7 @@
 
 #include "dvi/image/region.h"
 #include "dvi/objects/completion/test_masked_drive.h"
+#include "dvi/objects/draw_masks.h"
 #include "dvi/objects/find_objects.h"
 #include "dvi/objects/test_moving_cuboids.h"
 #include "dvi/synth/scene.h"
@@ -227,6 +228,38 @@ TEST(Completion, CoversObjectsInASecondCameraWithoutMasks) {
   EXPECT_GE(compute_coverage(draw_completed(evidence, {}, 1), truth_in_second, all), 0.97);
 }
 
+// Labels a cuboid that does not move in the frames of a drive from `first` on.
+void add_boxes(const Cuboid& cuboid, std::size_t first, Drive& drive) {
+  for (std::size_t i = first; i < drive.frames.size(); ++i) {
+    Label label;
+    label.track = 4;
+    const SE3 world_from_box{Eigen::Matrix3d::Identity(), cuboid.center()};
+    label.box = Box{drive.poses.at(drive.frames[i].time_ns)->inverse() * world_from_box, cuboid.sizes()};
+    drive.frames[i].labels = {label};
+  }
+  drive.labeled = true;
+}
+
+TEST(Completion, KeepsATrunkInFrontOfALabeledCar) {
+  const Cuboid trunk(Eigen::Vector3d(9, -3.2, 0), Eigen::Vector3d(9.6, -2.6, 5));
+  const Situation situation{
+      .scans = 20, .sensor_x = [](int scan) { return 0.05 * scan; }, .movers = [&](int) { return std::vector<Cuboid>{trunk}; }};
+  Drive drive = situation.drive();
+  add_boxes(Situation::parked(), 0, drive);
+  const FrameMasks trunks = draw_objects(situation, [&](int) { return std::vector<Cuboid>{trunk}; }),
+                   cars = draw_objects(situation, [](int) { return std::vector<Cuboid>{Situation::parked()}; });
+  Progress progress(ProgressStyle::quiet);
+  const Evidence evidence({{drive, drive.poses, "drive", {MaskSource::labels}}});
+  const Masks masks = find_and_draw(evidence, {}, progress);
+  for (const std::size_t i : {std::size_t{4}, std::size_t{10}, std::size_t{16}}) {
+    const auto mask = masks.front().images[i];
+    const cv::Mat1b inside = grown_far(trunks[i], -4);
+    ASSERT_GT(cv::countNonZero(inside & grown(cars[i], 10)), 50);
+    EXPECT_LT(cv::countNonZero(*mask & inside), 20) << "near the ground, frame " << i;
+    EXPECT_EQ(cv::countNonZero(cars[i] & ~*mask & ~grown(trunks[i], 2)), 0) << "frame " << i;
+  }
+}
+
 TEST(Completion, CoversALabeledParkedCarBeforeItsFirstLabelUnlessItIsHidden) {
   constexpr std::size_t kPasses = 3, kFirstLabel = 12;
   const Situation situation{.scans = 20, .movers = [](int scan) {
@@ -236,14 +269,7 @@ TEST(Completion, CoversALabeledParkedCarBeforeItsFirstLabelUnlessItIsHidden) {
                             }};
   const FrameMasks truth = draw_objects(situation, [](int) { return std::vector<Cuboid>{Situation::parked()}; });
   Drive drive = situation.drive();
-  for (std::size_t i = kFirstLabel; i < drive.frames.size(); ++i) {
-    Label label;
-    label.track = 4;
-    const SE3 world_from_car{Eigen::Matrix3d::Identity(), Situation::parked().center()};
-    label.box = Box{drive.poses.at(drive.frames[i].time_ns)->inverse() * world_from_car, Situation::parked().sizes()};
-    drive.frames[i].labels = {label};
-  }
-  drive.labeled = true;
+  add_boxes(Situation::parked(), kFirstLabel, drive);
   const FrameMasks drawn = draw_completed(Evidence({{drive, drive.poses, "drive", {MaskSource::labels}}}), {}, 0);
   for (std::size_t i = 0; i < drawn.size(); ++i) {
     if (i < kPasses || i >= kFirstLabel)
