@@ -175,9 +175,10 @@ class CompletedObjects::FrameDrawing {
     const cv::Size size(drive_.camera.width, drive_.camera.height);
     cv::Mat1b seeds(size, uchar{0});
     cv::Mat1f nearest_m(size, std::numeric_limits<float>::infinity());
+    const int margin_px = cvRound(kSilhouetteMarginShare * size.width);
     for (const Body& body : bodies_) {
-      const cv::Mat1b is_nearest(body.drawn & (nearest_m > body.depth_m));
-      nearest_m.setTo(body.depth_m, is_nearest);
+      cv::Mat1f around = nearest_m(enlarge(cv::boundingRect(body.drawn), 2 * margin_px, size));  // things continue beside it
+      cv::min(around, body.depth_m, around);
     }
     const SE3 world_from_camera = camera_from_world_.inverse();
     for (const ImageReturn& r : returns) {
@@ -186,7 +187,8 @@ class CompletedObjects::FrameDrawing {
       const Eigen::Vector3d world = world_from_camera * (static_cast<double>(r[2]) * drive_.camera.ray({r[0], r[1]}));
       if (classify(world) == Kind::background && !is_on_ground(world)) seeds(pixel) = 255;
     }
-    return close_returns(seeds, drive_.camera);
+    // At its border, errors of the extrinsics would keep pixels of the objects.
+    return grown_far(close_returns(seeds, drive_.camera), -margin_px);
   }
 
  private:
