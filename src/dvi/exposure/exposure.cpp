@@ -44,7 +44,7 @@ void compute_ratio(const SharedColors& colors, int channel, GainRatio& pair) {
   const float middle = median(ratios);
   std::vector<float> off(ratios.size());
   for (std::size_t i = 0; i < off.size(); ++i) off[i] = std::abs(ratios[i] - middle);
-  const float sigma = estimate_sigma(off);
+  const auto sigma = static_cast<float>(estimate_sigma(off));
   double sum_a = 0, sum_b = 0;
   for (std::size_t i = 0; i < ratios.size(); ++i)
     if (std::abs(ratios[i] - middle) <= kExposure.max_sigmas * sigma) {

@@ -46,10 +46,9 @@ inline constexpr ExposureParams kExposure;
 
 /// Estimates the vignetting of each camera (estimate_vignetting.h) and then the gain of each view. Pairs of views are compared
 /// by the sums of the colors of the map points that both show, without outliers; points are unmasked, visible, and neither
-/// black nor saturated. The gains
-/// of all views are solved jointly from these ratios by reweighted least squares on their logarithms, whose mean is 0. Poses
-/// with errors of some pixels suffice. Gray views among colored views are not compared, and vice versa. Calls `tick` once per
-/// view.
+/// black nor saturated. The gains of all views are solved jointly from these ratios by reweighted least squares on their
+/// logarithms, whose mean is 0. Poses with errors of some pixels suffice. Gray views among colored views are not compared, and
+/// vice versa. Calls `tick` once per view.
 Gains estimate_exposure(const Views& views, const map::VisibleMap& map, const Tick& tick = [] {});
 
 }  // namespace dvi::exposure

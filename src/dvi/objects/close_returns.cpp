@@ -1,13 +1,14 @@
 #include "dvi/objects/close_returns.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <numbers>
+#include <vector>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/image/enlarge.h"
-#include "dvi/image/region.h"
 
 namespace dvi::objects {
 namespace {
@@ -35,13 +36,17 @@ cv::Mat1b close_returns(const cv::Mat1b& returns, const Camera& camera) {
   cv::Mat1i parts, stats;
   cv::Mat centers;
   const int count = cv::connectedComponentsWithStats(closed, parts, stats, centers, 8, CV_32S);
-  for (int i = 1; i < count; ++i) {
-    const cv::Mat1b part(parts == i);
-    if (stats(i, cv::CC_STAT_HEIGHT) < to_pixels(kClose.min_height_deg, camera.fy) ||
-        cv::countNonZero(part & returns(area)) < kClose.min_returns)
-      continue;
-    out(area).setTo(255, part);
-  }
+  std::vector<int> returns_of(static_cast<std::size_t>(count), 0);  // by part
+  for (int y = 0; y < area.height; ++y)
+    for (int x = 0; x < area.width; ++x)
+      if (returns(area.y + y, area.x + x) != 0) ++returns_of[static_cast<std::size_t>(parts(y, x))];
+  const auto is_surface = [&, min_height_px = to_pixels(kClose.min_height_deg, camera.fy)](int part) {
+    return part != 0 && stats(part, cv::CC_STAT_HEIGHT) >= min_height_px &&
+           returns_of[static_cast<std::size_t>(part)] >= kClose.min_returns;
+  };
+  for (int y = 0; y < area.height; ++y)
+    for (int x = 0; x < area.width; ++x)
+      if (is_surface(parts(y, x))) out(area.y + y, area.x + x) = 255;
   return out;
 }
 

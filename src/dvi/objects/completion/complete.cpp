@@ -157,6 +157,8 @@ class CompletedObjects::FrameDrawing {
     }
   }
 
+  bool is_empty() const { return bodies_.empty(); }
+
   // Returns the background that bounding boxes of a mask cover, once all objects are drawn.
   cv::Mat1b find_covered_background(const cv::Mat1b& mask, const std::vector<ImageReturn>& returns) const {
     cv::Mat1b out(mask.size(), uchar{0});
@@ -363,6 +365,7 @@ ObjectOutlines CompletedObjects::draw(const CameraMaskEvidence& evidence) const 
     FrameDrawing drawing(*this, camera, i, *pose);
     const auto mask = evidence.removed[i];
     for (const auto& [number, object] : objects_) drawing.draw(number, object, *mask);
+    if (drawing.is_empty()) return;
     const std::vector<ImageReturn> returns = project_returns(camera.drive, i, camera.world_from_lidar);
     const cv::Mat1b foreground = drawing.find_foreground(returns);
     drawing.add_outlines(foreground, out);
