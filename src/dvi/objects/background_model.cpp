@@ -104,7 +104,7 @@ std::optional<cv::Vec3f> BackgroundViews::estimate_gain(const View& view, const 
   for (const HalfSizePixel& at : query.exposure_pixels)
     if (const auto there = sample_color(view, half, at.world);
         there && !is_saturated(*there) && !is_saturated(own->image(at.pixel)))
-      for (int c = 0; c < 3; ++c) ratios[c].push_back((own->image(at.pixel)[c] + 1) / ((*there)[c] + 1));
+      for (int c = 0; c < 3; ++c) ratios[c].push_back(static_cast<float>(own->image(at.pixel)[c] + 1) / ((*there)[c] + 1));
   if (ratios[0].size() < kBackground.min_gain_samples) return std::nullopt;
   return cv::Vec3f(median(ratios[0]), median(ratios[1]), median(ratios[2]));
 }

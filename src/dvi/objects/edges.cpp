@@ -27,7 +27,7 @@ constexpr EdgeParams kEdges{};
 // Returns the difference between each pixel and the background. It is the larger one of two: the pixel from the most similar
 // background of its neighborhood, and its background from the most similar pixel of its neighborhood. A dark edge resembles
 // some of the leaves behind it, but hides the bright ones. Negative where the background is unobserved and in the mask.
-cv::Mat1f compute_differences(const BackgroundModel& background, const cv::Mat3f& image, const cv::Mat1b& mask) {
+cv::Mat1f compute_differences(const BackgroundModel& background, const cv::Mat3b& image, const cv::Mat1b& mask) {
   cv::Mat1f out(image.size(), -1.F);
   for (int y = 0; y < image.rows; ++y)
     for (int x = 0; x < image.cols; ++x) {
@@ -60,7 +60,7 @@ std::optional<float> estimate_threshold(const cv::Mat1f& differences, const cv::
 
 int compute_edge_search_radius_px(const cv::Size& half_size) { return std::max(1, half_size.width / kEdges.view_width_radii); }
 
-cv::Mat1b add_missing_edges(const cv::Mat1b& mask, const BackgroundModel& background, const cv::Mat3f& image, int radius_px) {
+cv::Mat1b add_missing_edges(const cv::Mat1b& mask, const BackgroundModel& background, const cv::Mat3b& image, int radius_px) {
   const cv::Mat1f differences = compute_differences(background, image, mask);
   const auto threshold = estimate_threshold(differences, grown(mask, radius_px));
   if (!threshold) return mask.clone();

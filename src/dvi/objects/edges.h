@@ -13,6 +13,6 @@ int compute_edge_search_radius_px(const cv::Size& half_size);
 /// Adds the missing edges of objects to their mask (half size). A pixel is added if it is connected to the mask and differs
 /// from the background, also one pixel beside, by more than almost all pixels farther from the mask do. Thin lines that lead
 /// away from the mask are not added: they are displaced edges of static surfaces. `image` is the same view at half size.
-cv::Mat1b add_missing_edges(const cv::Mat1b& mask, const BackgroundModel& background, const cv::Mat3f& image, int radius_px);
+cv::Mat1b add_missing_edges(const cv::Mat1b& mask, const BackgroundModel& background, const cv::Mat3b& image, int radius_px);
 
 }  // namespace dvi::objects

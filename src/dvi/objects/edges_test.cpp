@@ -13,17 +13,17 @@ namespace {
 constexpr int kRadiusPx = 4;
 const cv::Size kSize(60, 40);
 const cv::Rect kObjectRect(20, 10, 16, 20);
-const cv::Vec3f kObjectColor = cv::Vec3f::all(40);
+const cv::Vec3b kObjectColor = cv::Vec3b::all(40);
 
 // Draws bright ground with a vertical dark line.
-cv::Mat3f draw_ground(int line) {
-  cv::Mat3f out(kSize, cv::Vec3f::all(140));
-  out.colRange(line, line + 1) = cv::Vec3f::all(30);
+cv::Mat3b draw_ground(int line) {
+  cv::Mat3b out(kSize, cv::Vec3b::all(140));
+  out.colRange(line, line + 1) = cv::Vec3b::all(30);
   return out;
 }
 
 // Models a background that four views show identically, except in the hidden part.
-BackgroundModel model(const cv::Mat3f& shown, const cv::Rect& hidden = {}) {
+BackgroundModel model(const cv::Mat3b& shown, const cv::Rect& hidden = {}) {
   std::vector<HalfSizePixel> pixels;
   std::vector<std::vector<cv::Vec3f>> colors;
   for (int y = 0; y < shown.rows; ++y)
@@ -35,8 +35,8 @@ BackgroundModel model(const cv::Mat3f& shown, const cv::Rect& hidden = {}) {
 }
 
 // Draws an object, and its mask without a number of rows at the top.
-std::pair<cv::Mat3f, cv::Mat1b> draw_object(const cv::Mat3f& behind, int missing) {
-  cv::Mat3f image = behind.clone();
+std::pair<cv::Mat3b, cv::Mat1b> draw_object(const cv::Mat3b& behind, int missing) {
+  cv::Mat3b image = behind.clone();
   image(kObjectRect) = kObjectColor;
   cv::Mat1b mask(kSize, uchar{0});
   mask(cv::Rect(kObjectRect.x, kObjectRect.y + missing, kObjectRect.width, kObjectRect.height - missing)) = 255;
@@ -45,7 +45,7 @@ std::pair<cv::Mat3f, cv::Mat1b> draw_object(const cv::Mat3f& behind, int missing
 
 TEST(Edges, AreAddedAsFarAsTheyDiffer) {
   for (const int missing : {1, 2, 3}) {
-    const cv::Mat3f behind = draw_ground(50);
+    const cv::Mat3b behind = draw_ground(50);
     const auto [image, mask] = draw_object(behind, missing);
     const cv::Mat1b found = add_missing_edges(mask, model(behind), image, kRadiusPx);
     EXPECT_LE(cv::countNonZero(found(kObjectRect) == 0), 2) << missing << ": all but its corners";
@@ -68,7 +68,7 @@ TEST(Edges, DoNotIncludeLinesThatLeadAway) {
 }
 
 TEST(Edges, AreNotAddedWhereTheBackgroundIsUnobserved) {
-  const cv::Mat3f behind = draw_ground(50);
+  const cv::Mat3b behind = draw_ground(50);
   const auto [image, mask] = draw_object(behind, 2);
   const cv::Rect above(0, 0, kSize.width, kObjectRect.y + 2);
   EXPECT_EQ(cv::norm(add_missing_edges(mask, model(behind, above), image, kRadiusPx), mask, cv::NORM_INF), 0);
@@ -83,11 +83,11 @@ TEST(Edges, AreSearchedWithinHalfADegree) {
 }
 
 TEST(Edges, MustDifferByMoreThanTheRestOfTheView) {
-  const cv::Mat3f behind = draw_ground(50);
+  const cv::Mat3b behind = draw_ground(50);
   auto [image, mask] = draw_object(behind, 2);
   for (int y = 0; y < kSize.height; ++y)
     for (int x = 0; x < kSize.width; ++x)
-      if (!kObjectRect.contains({x, y})) image(y, x) += cv::Vec3f::all(110);  // another exposure of the whole background
+      if (!kObjectRect.contains({x, y})) image(y, x) += cv::Vec3b::all(110);  // another exposure of the whole background
   EXPECT_EQ(cv::norm(add_missing_edges(mask, model(behind), image, kRadiusPx), mask, cv::NORM_INF), 0);
 }
 

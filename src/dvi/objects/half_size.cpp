@@ -9,10 +9,8 @@ namespace dvi::objects {
 HalfSizeView make_half_size_view(const cv::Mat3b& image, const cv::Mat1b& mask, int blur_px) {
   HalfSizeView out;
   const cv::Size size(image.cols / kHalfSizeFactor, image.rows / kHalfSizeFactor);
-  cv::Mat3b half;
-  cv::resize(image, half, size, 0, 0, cv::INTER_AREA);
-  if (blur_px > 1) cv::blur(half, half, {blur_px, blur_px});
-  half.convertTo(out.image, CV_32FC3);
+  cv::resize(image, out.image, size, 0, 0, cv::INTER_AREA);
+  if (blur_px > 1) cv::blur(out.image, out.image, {blur_px, blur_px});
   cv::resize(grown(mask, kHalfSizeFactor), out.mask, size, 0, 0, cv::INTER_NEAREST);
   return out;
 }

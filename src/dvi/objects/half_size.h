@@ -14,7 +14,7 @@ inline constexpr int kHalfSizeFactor = 2;
 
 /// The image of a view at half size.
 struct HalfSizeView {
-  cv::Mat3f image;  ///< BGR, gray levels
+  cv::Mat3b image;  ///< BGR
   cv::Mat1b mask;   ///< 255 where any of the pixels, or one of their neighbors, is masked
 
   std::size_t bytes() const { return bytes_of(image) + bytes_of(mask); }

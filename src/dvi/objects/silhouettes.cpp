@@ -84,7 +84,7 @@ cv::Mat1b select_overlapping(const cv::Mat1b& other, const cv::Mat1b& mask) {
 }
 
 // Marks pixels as undecided if they have a color of the object and the object would hardly differ from its background.
-void mark_undecided(const cv::Rect& part, const cv::Mat1b& outline, const cv::Mat3f& image, ImageDifference& difference) {
+void mark_undecided(const cv::Rect& part, const cv::Mat1b& outline, const cv::Mat3b& image, ImageDifference& difference) {
   std::vector<cv::Vec3f> colors;
   for (int y = part.y; y < part.br().y; ++y)
     for (int x = part.x; x < part.br().x; ++x)
@@ -97,7 +97,7 @@ void mark_undecided(const cv::Rect& part, const cv::Mat1b& outline, const cv::Ma
       bool similar = false;
       for (std::size_t i = 0; i < colors.size(); i += step, ++compared) {
         distinct += difference.background.differs({x, y}, colors[i]);
-        similar = similar || cv::norm(colors[i] - image(y, x), cv::NORM_INF) < kSilhouette.similar_levels;
+        similar = similar || cv::norm(colors[i] - cv::Vec3f(image(y, x)), cv::NORM_INF) < kSilhouette.similar_levels;
       }
       if (similar && static_cast<double>(distinct) < kSilhouette.min_distinct_share * static_cast<double>(compared))
         difference.undecided(y, x) = 255;
