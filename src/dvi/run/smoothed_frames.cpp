@@ -95,21 +95,17 @@ void for_each_smoothed(const std::vector<std::size_t>& targets, const Views& vie
     if (items[i].next == kNone) write(items[i], nullptr);
   };
   const auto release_item = [&](std::size_t i) {
-    if (i == kNone) return;
     items[i].filled.reset();
     items[i].before.reset();
   };
-  // The pair with the next frame refers to a frame, but no longer to the one before it.
-  const auto release = [&](std::size_t i) {
-    const std::size_t previous = items[i].previous;
-    if (previous != kNone) release_item(items[previous].previous);
-    if (items[i].next != kNone) return;
-    release_item(previous);
-    release_item(i);
+  const auto release_completed = [&](std::size_t i) {
+    if (items[i].previous != kNone) release_item(items[i].previous);
+    if (items[i].next == kNone) release_item(i);
   };
-  run_pipeline(items.size(),
-               {{any, fill}, {ascending, wait}, {any, pair}, {ascending, wait}, {any, write_completed}, {ascending, release}},
-               steps.bytes_per_frame);
+  run_pipeline(
+      items.size(),
+      {{any, fill}, {ascending, wait}, {any, pair}, {ascending, wait}, {any, write_completed}, {ascending, release_completed}},
+      steps.bytes_per_frame);
 }
 
 }  // namespace dvi::run

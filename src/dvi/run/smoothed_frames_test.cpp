@@ -14,15 +14,14 @@ namespace {
 using testing::ElementsAre;
 using testing::Pair;
 
-/// A frame whose color is the number of its view, and after smoothing also the numbers of its neighbors.
+/// A frame whose color and gain are the number of its view; after smoothing, its color has the numbers of its neighbors, too.
 result::FilledView make_numbered(std::size_t view) {
   result::FilledView out;
   out.frame.color = cv::Mat3f(1, 1, cv::Vec3f(static_cast<float>(view), -1, -1));
   out.frame.mask = cv::Mat1b(1, 1, uchar{0});
+  out.frame.gain = cv::Vec3f::all(static_cast<float>(view));
   return out;
 }
-
-float number_of(const harmonize::FilledFrame* frame) { return frame == nullptr ? -1.0F : frame->color(0, 0)[0]; }
 
 struct Recorded {
   std::map<std::size_t, int> filled, paired;
@@ -48,21 +47,21 @@ Recorded run(const std::vector<std::size_t>& views, const Views& all, bool smoot
     return make_numbered(view);
   };
   if (smooth)
-    steps.smoothing = Smoothing{
-        .pair =
-            [&](const harmonize::FilledFrame& earlier, const harmonize::FilledFrame& later) {
-              const std::lock_guard lock(mutex);
-              ++out.paired[static_cast<std::size_t>(number_of(&earlier))];
-              return smooth::FramePair(earlier, later);
-            },
-        .smooth =
-            [](const smooth::FramePair* before, const harmonize::FilledFrame& frame, const smooth::FramePair* after) {
-              harmonize::FilledFrame smoothed = frame;
-              smoothed.color = cv::Mat3f(1, 1,
-                                         cv::Vec3f(number_of(&frame), number_of(before == nullptr ? nullptr : &before->earlier),
-                                                   number_of(after == nullptr ? nullptr : &after->later)));
-              return smoothed;
-            }};
+    steps.smoothing =
+        Smoothing{.pair =
+                      [&](const harmonize::FilledFrame& earlier, const harmonize::FilledFrame& later) {
+                        const std::lock_guard lock(mutex);
+                        ++out.paired[static_cast<std::size_t>(earlier.gain[0])];
+                        return smooth::FramePair(earlier, later);
+                      },
+                  .smooth =
+                      [](const smooth::FramePair* before, const harmonize::FilledFrame& frame, const smooth::FramePair* after) {
+                        harmonize::FilledFrame smoothed = frame;
+                        smoothed.color = frame.color.clone();
+                        smoothed.color(0, 0)[1] = before == nullptr ? -1 : before->earlier_gain[0];
+                        smoothed.color(0, 0)[2] = after == nullptr ? -1 : after->later_gain[0];
+                        return smoothed;
+                      }};
   steps.write = [&](std::size_t view, const result::FilledView& finished) {
     const std::lock_guard lock(mutex);
     out.written[view] = finished.frame.color(0, 0);

@@ -38,10 +38,10 @@ std::vector<cv::Rect> find_windows(const cv::Mat1b& mask) {
   return out;
 }
 
-/// Converts a window of a frame to gray with a gain.
-cv::Mat1b to_gray(const FilledFrame& frame, cv::Rect box, const cv::Vec3f& gain) {
+/// Converts colors to gray with a gain.
+cv::Mat1b to_gray(const cv::Mat3f& color, const cv::Vec3f& gain) {
   cv::Mat3b bytes;
-  cv::multiply(frame.color(box), cv::Scalar(gain[0], gain[1], gain[2]), bytes, 1, CV_8U);
+  cv::multiply(color, cv::Scalar(gain[0], gain[1], gain[2]), bytes, 1, CV_8U);
   return gray_8bit(bytes);
 }
 
@@ -56,9 +56,10 @@ struct NeighborColors {
   FlowState get_state(cv::Point p) const { return state.empty() ? FlowState::none : static_cast<FlowState>(state(p)); }
 };
 
-/// A neighbor of a frame in a window of both.
+/// A neighbor of a frame in a box of both.
 struct Neighbor {
-  const FilledFrame& frame;
+  const FrameWindow& window;
+  const cv::Vec3f& gain;
   cv::Rect box;
   const cv::Mat2f& forward;  // from this frame to the neighbor
   const cv::Mat2f& backward;
@@ -94,7 +95,7 @@ cv::Mat3f interpolate_cubic(const cv::Mat3f& image, const cv::Mat2f& at) {
 /// hole. They do not if one frame is black or saturated, so that its gain is unknown.
 bool is_similar(const FilledFrame& frame, const Neighbor& other, const cv::Mat3f& there, const cv::Vec3f& gain) {
   const cv::Mat3f here = frame.color(other.box);
-  const cv::Mat1b hole(frame.mask(other.box) | other.frame.mask(other.box));
+  const cv::Mat1b hole(frame.mask(other.box) | other.window.mask);
   std::vector<float> differences;
   for (int y = 0; y < hole.rows; y += kSmooth.comparison_step_px)
     for (int x = 0; x < hole.cols; x += kSmooth.comparison_step_px)
@@ -103,12 +104,12 @@ bool is_similar(const FilledFrame& frame, const Neighbor& other, const cv::Mat3f
 }
 
 void sample_along_flow(const FilledFrame& frame, const Neighbor& other, NeighborColors& out) {
-  const cv::Mat1b mask = frame.mask(other.box), kind = frame.kind(other.box), other_kind = other.frame.kind(other.box);
+  const cv::Mat1b mask = frame.mask(other.box), kind = frame.kind(other.box);
   const cv::Mat2f targets = compute_targets(other.forward);
-  const cv::Mat3f there = interpolate_cubic(other.frame.color(other.box), targets);
+  const cv::Mat3f there = interpolate_cubic(other.window.color, targets);
   cv::Mat3f colors = out.color(other.box);
   cv::Mat1b state = out.state(other.box);
-  const cv::Vec3f gain = gain_to(frame.gain, other.frame.gain);
+  const cv::Vec3f gain = gain_to(frame.gain, other.gain);
   if (!is_similar(frame, other, there, gain)) return;
   const auto right = static_cast<float>(mask.cols - 1), bottom = static_cast<float>(mask.rows - 1);
   for (int y = 0; y < mask.rows; ++y)
@@ -116,7 +117,7 @@ void sample_along_flow(const FilledFrame& frame, const Neighbor& other, Neighbor
       if (mask(y, x) == 0 || !is_filled(kind(y, x))) continue;
       const cv::Point2f at(targets(y, x));
       if (!(at.x >= 0 && at.y >= 0 && at.x <= right && at.y <= bottom)) continue;
-      if (!is_filled(other_kind(cvRound(at.y), cvRound(at.x)))) continue;
+      if (!is_filled(other.window.kind(cvRound(at.y), cvRound(at.x)))) continue;
       const bool is_consistent = cv::norm(other.forward(y, x) + bilinear(other.backward, at)) < kSmooth.max_mismatch_px;
       colors(y, x) = there(y, x).mul(gain);
       state(y, x) = static_cast<uchar>(is_consistent ? FlowState::consistent : FlowState::inconsistent);
@@ -128,9 +129,9 @@ NeighborColors sample_neighbor(const FilledFrame& frame, const FramePair* pair, 
   NeighborColors out{cv::Mat3f(frame.color.size()), cv::Mat1b(frame.color.size(), uchar{0})};
   for (const FlowWindow& window : pair->windows) {
     if (earlier)
-      sample_along_flow(frame, {pair->earlier, window.box, window.backward, window.forward}, out);
+      sample_along_flow(frame, {window.earlier, pair->earlier_gain, window.box, window.backward, window.forward}, out);
     else
-      sample_along_flow(frame, {pair->later, window.box, window.forward, window.backward}, out);
+      sample_along_flow(frame, {window.later, pair->later_gain, window.box, window.forward, window.backward}, out);
   }
   return out;
 }
@@ -155,13 +156,14 @@ cv::Vec3f replace_outlier(const cv::Vec3f& here, const NeighborColors& before, c
 
 }  // namespace
 
-FramePair::FramePair(const FilledFrame& first, const FilledFrame& second) : earlier(first), later(second) {
+FramePair::FramePair(const FilledFrame& earlier, const FilledFrame& later)
+    : earlier_gain(earlier.gain), later_gain(later.gain) {
   const cv::Mat1b holes(earlier.mask | later.mask);
   const cv::Vec3f unchanged = cv::Vec3f::all(1), gain = gain_to(earlier.gain, later.gain);
   for (const cv::Rect& box : find_windows(holes)) {
     if (box.width < kMinFlowSidePx || box.height < kMinFlowSidePx) continue;
-    const cv::Mat1b from = to_gray(earlier, box, unchanged), to = to_gray(later, box, gain);
-    windows.push_back({box, compute_optical_flow(from, to), compute_optical_flow(to, from)});
+    const cv::Mat1b from = to_gray(earlier.color(box), unchanged), to = to_gray(later.color(box), gain);
+    windows.push_back({box, {earlier, box}, {later, box}, compute_optical_flow(from, to), compute_optical_flow(to, from)});
   }
 }
 

@@ -25,18 +25,27 @@ struct SmoothOptions {
   }
 };
 
-/// The optical flow (DIS) between two frames in a box of both, in pixels.
+/// A part of a filled frame.
+struct FrameWindow {
+  FrameWindow(const harmonize::FilledFrame& frame, const cv::Rect& box)
+      : color(frame.color(box).clone()), mask(frame.mask(box).clone()), kind(frame.kind(box).clone()) {}
+
+  cv::Mat3f color;
+  cv::Mat1b mask, kind;
+};
+
+/// The same box of two frames, and the optical flow (DIS) between them in the box, in pixels.
 struct FlowWindow {
   cv::Rect box;
+  FrameWindow earlier, later;
   cv::Mat2f forward, backward;  ///< from the earlier frame to the later one, and back
 };
 
-/// Two consecutive filled frames, and the flow between them around the holes of both. Keeps references to both frames.
+/// Two consecutive filled frames around the holes of both.
 struct FramePair {
-  FramePair(const harmonize::FilledFrame& first, const harmonize::FilledFrame& second);
+  FramePair(const harmonize::FilledFrame& earlier, const harmonize::FilledFrame& later);
 
-  const harmonize::FilledFrame& earlier;
-  const harmonize::FilledFrame& later;
+  cv::Vec3f earlier_gain, later_gain;
   std::vector<FlowWindow> windows;  ///< without overlap
 };
 
@@ -51,8 +60,8 @@ struct SmoothParams {
 inline constexpr SmoothParams kSmooth;
 
 /// Smooths the hole of a frame by a weighted average along optical flow with the frames before and after (section 3.6 of the
-/// paper). `before->later` and `after->earlier` are this frame; both may be null at the ends of the drive. First replaces
-/// colors that differ from both neighbors.
+/// paper). It is the later frame of `before` and the earlier one of `after`; both may be null at the ends of the drive. First
+/// replaces colors that differ from both neighbors.
 harmonize::FilledFrame smooth(const FramePair* before, const harmonize::FilledFrame& frame, const FramePair* after,
                               const SmoothOptions& options = {});
 
