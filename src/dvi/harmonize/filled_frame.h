@@ -32,4 +32,7 @@ struct FilledFrame {
   cv::Vec3f gain{1, 1, 1};         ///< The gain of the view.
 };
 
+/// Makes a frame of which no pixel is filled, from its image, mask, depth, and gain. It refers to the mask and the depth.
+FilledFrame make_unfilled_frame(const cv::Mat3b& image, const cv::Mat1b& mask, const cv::Mat1f& depth, const cv::Vec3f& gain);
+
 }  // namespace dvi::harmonize

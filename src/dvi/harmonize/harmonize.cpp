@@ -358,19 +358,11 @@ FilledFrame harmonize(const depth::Target& target, const sample::Candidates& sam
   const Fused fused = fuse(target, sampled, input.illumination);
   const sample::Candidates& candidates = fused.candidates;
   const Region& hole = candidates.hole;
-  const cv::Size size = hole.index.size();
-  FilledFrame out;
-  target.image()->convertTo(out.color, CV_32FC3);
-  out.mask = hole.index >= 0;
-  out.kind = cv::Mat1b(size, static_cast<uchar>(Kind::original));
-  out.provenance = cv::Mat_<cv::Vec3w>(size, cv::Vec3w());
-  out.used = cv::Mat3b(size, cv::Vec3b());
-  out.confidence = cv::Mat1b(size, uchar{255});
-  out.depth = target.depth.z.clone();
+  FilledFrame out =
+      make_unfilled_frame(*target.image(), cv::Mat1b(hole.index >= 0), target.depth.z.clone(), target.view().gain);
   for (std::size_t i = 0; i < hole.size(); ++i)
     if (const cv::Point p = hole.pixels[i]; fused.sky(p) != 0 && !candidates.leading[i].found())
       out.depth(p) = depth::DepthMap::kInfinity;
-  out.gain = target.view().gain;
 
   Copies copies = read_copies(target, fused, input.illumination);
   copies.screening =

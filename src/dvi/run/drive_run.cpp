@@ -76,7 +76,10 @@ void DriveRun::compute_stages(StageCache::Missing missing, const ReplaceMasks& r
   views_ = inputs::refine_views(posed, gains, cameras_);
   if (replace_masks) views_.masks = replace_masks(views_);
   context_.emplace(map_, views_, options_, cpu_);
-  harmonized_ = Lazy<HarmonizedFrame>(frames(), [this](std::size_t frame) { return harmonize(frame); });
+  harmonized_ = Lazy<PackedHarmonizedFrame>(frames(), [this](std::size_t frame) {
+    HarmonizedFrame made = harmonize(frame);
+    return PackedHarmonizedFrame{harmonize::PackedFrame(made.filled), made.energy, std::move(made.classes)};
+  });
   if (is_synthesized(options_))
     completed_views_ =
         folder_.make_fill_cache(progress_, missing).load_or_compute("completed_views", [&] { return complete_views(); });
@@ -94,6 +97,11 @@ HarmonizedFrame DriveRun::harmonize(std::size_t frame) const {
   return {std::move(filled), labels.energy, std::move(input.classes)};
 }
 
+HarmonizedFrame DriveRun::harmonize_cached(std::size_t frame) const {
+  const auto packed = harmonized_[frame];
+  return {packed->filled.unpack(*views_.images[frame]), packed->energy, packed->classes};
+}
+
 SynthesizedFrame DriveRun::synthesize(std::size_t frame, HarmonizedFrame harmonized, const CompletedViews& completed) const {
   return context_->stages.synthesize({std::move(harmonized.filled), std::move(harmonized.classes), *context_->ground}, views_,
                                      frame, completed);
@@ -104,9 +112,9 @@ CompletedViews DriveRun::complete_views() {
   progress_.begin("completion", selected.size());
   CompletedViews completed;
   make_and_use(
-      selected.size(), [&](std::size_t i) { return harmonized_[selected[i]]; },
-      [&](std::size_t i, const std::shared_ptr<const HarmonizedFrame>& harmonized) {
-        const SynthesizedFrame made = synthesize(selected[i], *harmonized, completed);
+      selected.size(), [&](std::size_t i) { return harmonize_cached(selected[i]); },
+      [&](std::size_t i, HarmonizedFrame harmonized) {
+        const SynthesizedFrame made = synthesize(selected[i], std::move(harmonized), completed);
         if (!made.guide.group.empty())
           completed.push_back(synthesize::make_completed_view(made, views_, selected[i], *context_->ground));
         progress_.advance();
@@ -119,7 +127,7 @@ CompletedViews DriveRun::complete_views() {
 FilledView DriveRun::fill(std::size_t frame) const {
   const bool is_completed = std::any_of(completed_views_.begin(), completed_views_.end(),
                                         [frame](const synthesize::CompletedView& made) { return made.view == frame; });
-  HarmonizedFrame harmonized = is_completed ? *harmonized_[frame] : harmonize(frame);
+  HarmonizedFrame harmonized = is_completed ? harmonize_cached(frame) : harmonize(frame);
   const std::optional<regularize::Energies> energy = harmonized.energy;
   if (!is_synthesized(options_)) return {std::move(harmonized.filled), energy};
   return {synthesize(frame, std::move(harmonized), completed_views_).frame, energy};

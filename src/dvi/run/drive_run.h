@@ -9,6 +9,7 @@
 
 #include "dvi/depth/depths.h"
 #include "dvi/ground/road_ground.h"
+#include "dvi/harmonize/packed_frame.h"
 #include "dvi/result/result_folder.h"
 #include "dvi/run/frame_stages.h"
 #include "dvi/sections/planned_section.h"
@@ -30,11 +31,15 @@ struct HarmonizedFrame {
   harmonize::FilledFrame filled;
   std::optional<regularize::Energies> energy;
   cv::Mat1b classes;  ///< Values of harmonize::SurfaceClass; empty: all unknown.
+};
 
-  std::size_t bytes() const {
-    return bytes_of(filled.color) + bytes_of(filled.mask) + bytes_of(filled.kind) + bytes_of(filled.provenance) +
-           bytes_of(filled.used) + bytes_of(filled.confidence) + bytes_of(filled.depth) + bytes_of(classes);
-  }
+/// A HarmonizedFrame in less memory.
+struct PackedHarmonizedFrame {
+  harmonize::PackedFrame filled;
+  std::optional<regularize::Energies> energy;
+  cv::Mat1b classes;
+
+  std::size_t bytes() const { return filled.bytes() + bytes_of(classes); }
 };
 
 /// A run of one job: plan() computes the stages before the fill, fill() fills one frame, and finish() writes all other files.
@@ -92,6 +97,7 @@ class DriveRun {
   map::StaticMap build_map() const;
   harmonize::HarmonizeInput make_harmonize_input(const depth::Target& target, const sample::Candidates& candidates) const;
   HarmonizedFrame harmonize(std::size_t frame) const;
+  HarmonizedFrame harmonize_cached(std::size_t frame) const;
   synthesize::SynthesizedFrame synthesize(std::size_t frame, HarmonizedFrame harmonized,
                                           const synthesize::CompletedViews& completed) const;
   synthesize::CompletedViews complete_views();
@@ -110,7 +116,7 @@ class DriveRun {
   align::Cameras cameras_;
   Views views_;
   std::optional<FillContext> context_;
-  Lazy<HarmonizedFrame> harmonized_;  // those of views that are completed are needed twice
+  Lazy<PackedHarmonizedFrame> harmonized_;  // those of views that are completed are needed twice
   synthesize::CompletedViews completed_views_;
 };
 
