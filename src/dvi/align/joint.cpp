@@ -89,6 +89,10 @@ class Chain {
   std::vector<Check> check(const std::vector<PairModel>& models, const std::vector<Poses>& candidates, const Tick& tick) const;
 
   std::size_t coarsest() const { return coarsest_; }
+  std::size_t bytes_per_view() const {
+    return kJoint.bytes_per_pixel * static_cast<std::size_t>(view(0).camera.width) *
+           static_cast<std::size_t>(view(0).camera.height);
+  }
   bool is_anchored() const { return members_.size() > count_; }
   Poses apply(const Corrections& c) const;
 
@@ -97,10 +101,6 @@ class Chain {
   std::vector<PairModel> fit_models_of(std::size_t i, const Poses& poses, std::size_t coarsest, const Tick& tick) const;
   std::vector<map::VisiblePoint> select_textured(const UnmaskedPoints& sight, const View& view, const cv::Mat1f& texture) const;
   const View& view(std::size_t i) const { return views_[members_[i]]; }
-  std::size_t bytes_per_view() const {
-    return kJoint.bytes_per_pixel * static_cast<std::size_t>(view(0).camera.width) *
-           static_cast<std::size_t>(view(0).camera.height);
-  }
   PosedImage get_posed(std::size_t i, const Poses& poses) const { return {view(i).camera, poses[i], images_[i]}; }
 
   const Views& views_;
@@ -318,6 +318,7 @@ void align_jointly(const SequenceViews& sequence, const AlignOptions& options, c
   const Views& views = sequence.views;
   const std::size_t first = sequence.first, last = sequence.last;
   Chain chain(sequence, ChainViews(sequence), out, options);
+  const CacheBudget::Loan loan = lend_free_memory(chain.bytes_per_view(), static_cast<std::size_t>(thread_count()));
   const Corrections given(last - first);
   const auto expected = [&, common = chain.is_anchored() || (!views[first].registered_depth && has_motion(sequence))](
                             double share) { return make_expected(options, views[first], share, common); };

@@ -39,7 +39,7 @@ CacheBudget::Items::iterator CacheBudget::drop(Items::iterator item, Items& drop
 }
 
 void CacheBudget::drop_beyond_bound(Items& dropped) {
-  for (auto item = items_.begin(); used_ > bound_ && item != items_.end();) {
+  for (auto item = items_.begin(); used_ > bound_ + loan_ && item != items_.end();) {
     if (item->second.key == newest_) {
       ++item;
       continue;
@@ -57,6 +57,36 @@ void CacheBudget::set_bound(std::size_t bound) {
     drop_beyond_bound(dropped);
   }
   destroy(std::move(dropped));
+}
+
+CacheBudget::Loan::Loan(std::shared_ptr<CacheBudget> budget, std::size_t bytes) {
+  if (bytes > 0 && budget->take_loan(bytes)) budget_ = std::move(budget);
+}
+
+CacheBudget::Loan::~Loan() {
+  if (budget_) budget_->return_loan();
+}
+
+bool CacheBudget::take_loan(std::size_t bytes) {
+  const std::lock_guard lock(mutex_);
+  if (loan_ > 0) return false;
+  loan_ = bytes;
+  return true;
+}
+
+void CacheBudget::return_loan() {
+  Items dropped;
+  {
+    const std::lock_guard lock(mutex_);
+    loan_ = 0;
+    drop_beyond_bound(dropped);
+  }
+  destroy(std::move(dropped));
+}
+
+std::size_t CacheBudget::bound() const {
+  const std::lock_guard lock(mutex_);
+  return bound_ + loan_;
 }
 
 std::size_t CacheBudget::used() const {

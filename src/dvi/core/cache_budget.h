@@ -50,6 +50,8 @@ class CacheBudget {
 
   /// Sets the bound in bytes, and drops items that exceed it.
   void set_bound(std::size_t bound);
+  /// Returns the bound, including a loan.
+  std::size_t bound() const;
   std::size_t used() const;
 
   /// Returns the item if it is cached, and marks it as used.
@@ -58,6 +60,18 @@ class CacheBudget {
   void keep(const Key& key, Value value, std::size_t size, double cost);
   /// Drops all items of a cache with `count` items.
   void forget(const void* cache, std::size_t count);
+
+  /// Raises the bound by `bytes` during its lifetime: memory that is free for now. While one loan lives, others have no effect.
+  class Loan {
+   public:
+    Loan(std::shared_ptr<CacheBudget> budget, std::size_t bytes);
+    ~Loan();
+    Loan(const Loan&) = delete;
+    Loan& operator=(const Loan&) = delete;
+
+   private:
+    std::shared_ptr<CacheBudget> budget_;  // null if another loan lives
+  };
 
  private:
   struct KeyHash {
@@ -73,12 +87,14 @@ class CacheBudget {
   };
   using Items = std::multimap<double, Item>;  // by rank; for equal ranks, the older item comes first
 
+  bool take_loan(std::size_t bytes);
+  void return_loan();
   Items::iterator drop(Items::iterator item, Items& dropped);
   void drop_beyond_bound(Items& dropped);
   void destroy(Items dropped);
 
   mutable std::mutex mutex_;
-  std::size_t bound_, used_ = 0;
+  std::size_t bound_, loan_ = 0, used_ = 0;
   std::atomic<std::size_t> freed_ = 0;  // bytes dropped since the heap was trimmed
   double dropped_rank_ = 0;             // the highest rank of dropped items
   Key newest_;

@@ -50,6 +50,22 @@ TEST(CacheBudget, DropsTheLeastRecentlyUsedOfAllCaches) {
   EXPECT_EQ(budget.used(), 61U);
 }
 
+TEST(CacheBudget, DropsWhatExceedsTheBoundAtTheEndOfALoan) {
+  const auto budget = std::make_shared<CacheBudget>(100);
+  const int a = 0;
+  {
+    const CacheBudget::Loan loan(budget, 100), another(budget, 1000);
+    EXPECT_EQ(budget->bound(), 200U);
+    for (std::size_t i = 0; i < 6; ++i) budget->keep({&a, i}, number(0), 40, 10);
+    EXPECT_EQ(budget->used(), 200U);
+  }
+  EXPECT_EQ(budget->bound(), 100U);
+  EXPECT_EQ(budget->used(), 80U);
+  EXPECT_NE(budget->find({&a, 5}), nullptr);
+  const CacheBudget::Loan again(budget, 50);
+  EXPECT_EQ(budget->bound(), 150U);
+}
+
 TEST(CacheBudget, DropsItemsWithTheLowestCostPerByteFirst) {
   CacheBudget budget(100);
   const int a = 0, b = 0;

@@ -109,6 +109,11 @@ int thread_count() { return static_cast<int>(tbb::global_control::active_value(t
 
 double task_cpu_seconds() { return thread_cpu_seconds() + from_helpers; }
 
+CacheBudget::Loan lend_free_memory(std::size_t bytes_per_item, std::size_t max_items) {
+  const WorkMemory& work = *WorkMemory::of_process();
+  return {CacheBudget::of_process(), work.count_free(bytes_per_item, work.count_items(bytes_per_item, max_items))};
+}
+
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
   const Handover before, after;
   const std::thread::id caller = std::this_thread::get_id();
@@ -157,8 +162,9 @@ void run_pipeline(std::size_t count, const std::vector<PipelineStep>& steps, std
     chain = chain & tbb::make_filter<std::size_t, std::size_t>(
                         any ? tbb::filter_mode::parallel : tbb::filter_mode::serial_in_order, call);
   }
-  const auto max_items = static_cast<std::size_t>(thread_count() + std::max(2, thread_count() / 4));
   const TracedLoop traced(count, count_fitting(bytes_per_item), orders);
+  const auto max_items = static_cast<std::size_t>(thread_count() + std::max(2, thread_count() / 4));
+  const CacheBudget::Loan loan = lend_free_memory(bytes_per_item, max_items);
   tbb::parallel_pipeline(WorkMemory::of_process()->count_items(bytes_per_item, max_items),
                          chain & tbb::make_filter<std::size_t, void>(tbb::filter_mode::parallel, [](std::size_t) {}));
   all.receive();
@@ -167,6 +173,7 @@ void run_pipeline(std::size_t count, const std::vector<PipelineStep>& steps, std
 void for_blocks(std::size_t count, const std::function<void(std::size_t first, std::size_t last)>& body,
                 std::size_t bytes_per_item) {
   const std::size_t block = WorkMemory::of_process()->count_items(bytes_per_item, static_cast<std::size_t>(thread_count()));
+  const CacheBudget::Loan loan = lend_free_memory(bytes_per_item, block);
   const TracedLoop traced(count, count_fitting(bytes_per_item), "b");
   for (std::size_t first = 0; first < count; first += block) {
     const TracedTask task(first, 0);

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "dvi/core/cache_budget.h"
+
 namespace dvi {
 
 /// Limits the whole process to `count` threads during its lifetime; 0 means all cores.
@@ -33,6 +35,11 @@ double task_cpu_seconds();
 /// Calls body(i) for i in [0, count), in any order, on all threads. Each call must write its own output only. The caller merges
 /// the outputs in index order, so that no result depends on scheduling.
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body);
+
+/// Lets the caches of the process use, during the lifetime of the result, the part of WorkMemory::of_process() that up to
+/// `max_items` items in progress leave free, if each takes `bytes_per_item`. Loops that limit their items by memory do so
+/// themselves; a function that calls several of them keeps the caches from being emptied in between.
+CacheBudget::Loan lend_free_memory(std::size_t bytes_per_item, std::size_t max_items);
 
 /// Calls body(first, last) for consecutive blocks of thread_count() indices of [0, count), of which the last one may be
 /// shorter. It serves items that are made in parallel and then merged in order, without memory for all of them. Blocks are

@@ -22,6 +22,10 @@ class WorkMemory {
   /// Returns how many items of the given size fit: at least one, at most `max_items`.
   std::size_t count_items(std::size_t bytes_per_item, std::size_t max_items) const;
 
+  /// Returns the memory that is free while `items` of the given size are in progress; 0 if their size is not known (0) or the
+  /// memory is unlimited.
+  std::size_t count_free(std::size_t bytes_per_item, std::size_t items) const;
+
  private:
   std::atomic<std::size_t> bound_;
 };

@@ -4,11 +4,14 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <limits>
+#include <memory>
 #include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "dvi/core/cache_budget.h"
 #include "dvi/core/threads.h"
 
 namespace dvi {
@@ -48,6 +51,34 @@ TEST(WorkMemory, CountsTheItemsThatFit) {
   EXPECT_EQ(memory.count_items(300, 64), 3U);
   EXPECT_EQ(memory.count_items(2000, 64), 1U);
   EXPECT_EQ(memory.count_items(0, 64), 64U);
+}
+
+TEST(WorkMemory, CountsWhatItemsLeaveFree) {
+  const WorkMemory memory(1000);
+  EXPECT_EQ(memory.count_free(100, 3), 700U);
+  EXPECT_EQ(memory.count_free(600, 2), 0U);
+  EXPECT_EQ(memory.count_free(0, 3), 0U);
+  EXPECT_EQ(WorkMemory(std::numeric_limits<std::size_t>::max()).count_free(100, 3), 0U);
+}
+
+TEST(WorkMemory, CachesUseWhatALoopLeavesFree) {
+  const ThreadLimit two(2);
+  const WorkBound bound(5 * kItemBytes);
+  const std::shared_ptr<CacheBudget>& caches = CacheBudget::of_process();
+  const std::size_t before = caches->bound();
+  std::size_t in_loop = 0, nested = 0;
+  parallel_in_order(
+      1,
+      [&](std::size_t) {
+        in_loop = caches->bound();
+        parallel_in_order(1, [&](std::size_t) { nested = caches->bound(); }, kItemBytes);
+      },
+      kItemBytes);
+  EXPECT_EQ(in_loop, before + 3 * kItemBytes);
+  EXPECT_EQ(nested, in_loop);
+  EXPECT_EQ(caches->bound(), before);
+  parallel_in_order(1, [&](std::size_t) { in_loop = caches->bound(); });
+  EXPECT_EQ(in_loop, before);
 }
 
 TEST(WorkMemory, LimitsTheItemsOfAPipeline) {

@@ -18,7 +18,7 @@ namespace {
 /// progress, less that before the fill.
 struct MemoryPlanParams {
   int program_mb = 150;                     ///< Code, libraries, and the heap's fragmentation.
-  std::size_t frame_bytes_per_pixel = 120;  ///< Of a frame while it is filled, smoothed, and written.
+  std::size_t frame_bytes_per_pixel = 145;  ///< Of a frame while it is filled, smoothed, and written.
   std::size_t least_bytes_per_pixel = 20;   ///< Of the caches and the map, so that the images in use fit.
   /// Size from which on the heap returns freed blocks to the system at once if memory is scarce. Otherwise the program keeps
   /// blocks of up to 32 MB for the next frame (main.cpp), which saves some percent of the CPU time, but takes several images of

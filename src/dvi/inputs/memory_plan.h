@@ -9,7 +9,8 @@
 namespace dvi::inputs {
 
 /// How `job.memory_mb` is divided: after 150 MB (at most half) for the program, a third each for the map, for caches, and for
-/// work in progress. If a third is too small for one frame in progress, work gets more.
+/// work in progress. If a third is too small for one frame in progress, work gets more. While a loop leaves a part of the
+/// work's share free, caches use it (lend_free_memory()).
 struct MemoryPlan {
   std::size_t map_bytes = 0, cache_bytes = 0, work_bytes = 0;
   int needed_mb = 0;  ///< The least `job.memory_mb` for one frame in progress.

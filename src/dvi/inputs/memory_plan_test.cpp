@@ -23,7 +23,7 @@ TEST(MemoryPlan, IsAThirdEachIfFramesAreSmall) {
 }
 
 TEST(MemoryPlan, HasWorkForOneLargeFrame) {
-  for (const int memory_mb : {1400, 1500, 2000, 4000}) {
+  for (const int memory_mb : {1600, 1800, 2000, 4000}) {
     const MemoryPlan plan = plan_memory(memory_mb, kLarge);
     EXPECT_LE(plan.needed_mb, memory_mb);
     EXPECT_GE(plan.work_bytes, estimate_frame_bytes(kLarge));

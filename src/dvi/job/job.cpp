@@ -95,8 +95,10 @@ OptionTable Job::table() {
       "memory_mb", memory_mb, {16, 1000000},
       "Limits the memory: 150 MB (at most half) are for the program itself; of the rest, a third is for the map (what does "
       "not fit is paged to unlinked files in TMPDIR), a third for the images, scans, masks, and depth maps that are kept "
-      "for further use, and a third, or what one frame needs, for the work in progress. Fewer frames than threads are "
-      "processed at a time if they do not fit. A warning states the least memory for one frame.");
+      "for further use, and a third, or what one frame needs, for the work in progress. Memory that the map and "
+      "the work leave free is used for further images. Fewer frames than threads are processed at a time if they do not fit. A "
+      "warning states "
+      "the least memory for one frame.");
   table.developer();
   table.add(
       "sections", sections, {0, 10000},
