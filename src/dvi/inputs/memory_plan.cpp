@@ -1,14 +1,11 @@
 #include "dvi/inputs/memory_plan.h"
 
-#include <malloc.h>
-
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include "dvi/core/cache_budget.h"
 #include "dvi/core/scratch.h"
-#include "dvi/core/threads.h"
 #include "dvi/core/work_memory.h"
 
 namespace dvi::inputs {
@@ -20,10 +17,6 @@ struct MemoryPlanParams {
   int program_mb = 150;                     ///< Code, libraries, and the heap's fragmentation.
   std::size_t frame_bytes_per_pixel = 145;  ///< Of a frame while it is filled, smoothed, and written.
   std::size_t least_bytes_per_pixel = 20;   ///< Of the caches and the map, so that the images in use fit.
-  /// Size from which on the heap returns freed blocks to the system at once if memory is scarce. Otherwise the program keeps
-  /// blocks of up to 32 MB for the next frame (main.cpp), which saves some percent of the CPU time, but takes several images of
-  /// memory per thread.
-  int mapped_block_bytes = 1 << 20;
 };
 constexpr MemoryPlanParams kMemoryPlan;
 
@@ -52,8 +45,6 @@ std::optional<std::string> bound_memory(int memory_mb, cv::Size image) {
   Scratch::of_process()->set_bound(plan.map_bytes);
   CacheBudget::of_process()->set_bound(plan.cache_bytes);
   WorkMemory::of_process()->set_bound(plan.work_bytes);
-  const bool is_scarce = plan.work_bytes < estimate_frame_bytes(image) * static_cast<std::size_t>(thread_count());
-  if (is_scarce) mallopt(M_MMAP_THRESHOLD, kMemoryPlan.mapped_block_bytes);
   if (memory_mb >= plan.needed_mb) return std::nullopt;
   return fmt::format(
       "images of {}x{} px need {} MB to fill one frame at a time, but job.memory_mb is {}: the run may exceed it; set it to at "

@@ -19,9 +19,8 @@ struct MemoryPlan {
 /// Divides the memory for images of the given size; a size of 0 x 0 is unknown.
 MemoryPlan plan_memory(int memory_mb, cv::Size image);
 
-/// Sets the bounds of Scratch, CacheBudget, and WorkMemory of the process, and lets the heap return large blocks to the system
-/// when they are freed if not all threads can have a frame in progress. Returns a warning if `memory_mb` is too small for one
-/// frame in progress.
+/// Sets the bounds of Scratch, CacheBudget, and WorkMemory of the process. Returns a warning if `memory_mb` is too small for
+/// one frame in progress.
 std::optional<std::string> bound_memory(int memory_mb, cv::Size image);
 
 /// Adds the part of the map's share that the map does not occupy to that of work in progress. Call it after the map is built.
