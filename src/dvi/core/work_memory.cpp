@@ -4,9 +4,10 @@
 #include <limits>
 
 namespace dvi {
-
 namespace {
+
 constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();
+
 }  // namespace
 
 const std::shared_ptr<WorkMemory>& WorkMemory::of_process() {
