@@ -133,12 +133,15 @@ TEST(Threads, RunBlocksInOrder) {
   EXPECT_EQ(blocks_of(7), (Blocks{{0, 3}, {3, 6}, {6, 7}}));
 }
 
-TEST(Threads, FinishABlockBeforeTheNextOne) {
+TEST(Threads, BeginItemsInOrderAndDoNotWaitForSlowOnes) {
   const ThreadLimit three(3);
   std::vector<std::atomic<int>> calls(100);
   std::atomic<bool> ahead = false;
+  std::atomic<std::size_t> begun = 0;
   parallel_in_order(calls.size(), [&](std::size_t i) {
-    for (std::size_t earlier = 0; earlier < i / 3 * 3; ++earlier) ahead = ahead || calls[earlier] != 1;
+    ahead = ahead || begun++ + 2 < i;  // the other threads may have taken an earlier item without having begun it
+    if (i == 10)
+      while (begun < 50) std::this_thread::yield();
     ++calls[i];
   });
   EXPECT_FALSE(ahead);
@@ -197,6 +200,9 @@ TEST(Threads, CountTheTimeOfHelpersForTheTask) {
   const double begun = task_cpu_seconds();
   parallel_for(12, [&](std::size_t) { parallel_for(2, [&](std::size_t) { spend(0.005); }); });
   EXPECT_GE(task_cpu_seconds() - begun, 0.119);
+  const double between = task_cpu_seconds();
+  parallel_in_order(12, [&](std::size_t) { parallel_in_order(2, [&](std::size_t) { spend(0.005); }); });
+  EXPECT_GE(task_cpu_seconds() - between, 0.119);
 }
 
 TEST(Threads, AreLimitedDuringTheLifeOfTheLimit) {

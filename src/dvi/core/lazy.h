@@ -9,10 +9,12 @@
 #include <mutex>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include <tbb/task_arena.h>
 
 #include "dvi/core/cache_budget.h"
+#include "dvi/core/threads.h"
 
 namespace dvi {
 
@@ -46,10 +48,16 @@ class Lazy {
   bool empty() const { return size() == 0; }
 
   /// Returns an item, which stays alive as long as the caller holds it. Rethrows exceptions of its making.
-  std::shared_ptr<const T> operator[](std::size_t i) const {
+  std::shared_ptr<const T> operator[](std::size_t i) const { return get(i, true); }
+  /// Returns the same, or null if another thread is making the item.
+  std::shared_ptr<const T> get_unless_in_work(std::size_t i) const { return get(i, false); }
+
+ private:
+  std::shared_ptr<const T> get(std::size_t i, bool waits) const {
     State& s = *state_;
     if (s.find) return s.find(i);
     std::unique_lock lock(s.mutex);
+    if (!waits && s.in_work.contains(i)) return nullptr;
     s.changed.wait(lock, [&] { return !s.in_work.contains(i); });
     if (CacheBudget::Value kept = s.budget->find({&s, i})) return std::static_pointer_cast<const T>(std::move(kept));
     s.in_work.insert(i);
@@ -72,7 +80,6 @@ class Lazy {
     return value;
   }
 
- private:
   // The minimum is a millisecond, because shorter times depend on the machine rather than on the work.
   static double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::max(1e-3, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
@@ -97,5 +104,22 @@ class Lazy {
   };
   std::shared_ptr<State> state_;
 };
+
+/// Calls body(k, items[numbers[k]]) for each k, in any order, on all threads. Items that other threads are making come last, so
+/// that several callers that need the same items share their making instead of waiting for each other at each of them.
+template <class T, class Body>
+void for_each_item(const Lazy<T>& items, const std::vector<std::size_t>& numbers, const Body& body) {
+  std::vector<char> is_in_work(numbers.size(), 0);
+  parallel_for(numbers.size(), [&](std::size_t k) {
+    if (std::shared_ptr<const T> item = items.get_unless_in_work(numbers[k]))
+      body(k, std::move(item));
+    else
+      is_in_work[k] = 1;
+  });
+  std::vector<std::size_t> left;
+  for (std::size_t k = 0; k < numbers.size(); ++k)
+    if (is_in_work[k] != 0) left.push_back(k);
+  if (!left.empty()) parallel_for(left.size(), [&](std::size_t n) { body(left[n], items[numbers[left[n]]]); });
+}
 
 }  // namespace dvi

@@ -106,6 +106,32 @@ TEST(Lazy, MakesAnItemOnceWithManyThreads) {
   for (const auto& count : made) EXPECT_EQ(count, 1);
 }
 
+// The first caller is making item 2 when the second one comes to it, which makes the others meanwhile.
+TEST(Lazy, LeavesItemsThatOthersAreMakingForLast) {
+  std::vector<std::atomic<int>> made(5);
+  std::atomic<bool> is_begun = false;
+  std::atomic<int> others = 0;
+  const Lazy<int> lazy(5, 5, [&](std::size_t i) {
+    ++made[i];
+    if (i == 2) {
+      is_begun = true;
+      while (others < 4) std::this_thread::yield();
+    } else {
+      ++others;
+    }
+    return static_cast<int>(i) * 10;
+  });
+  std::thread first([&] { lazy[2]; });
+  while (!is_begun) std::this_thread::yield();
+  EXPECT_EQ(lazy.get_unless_in_work(2), nullptr);
+  const std::vector<std::size_t> numbers{2, 0, 1, 4, 3};
+  std::vector<int> values(5);
+  for_each_item(lazy, numbers, [&](std::size_t k, const std::shared_ptr<const int>& item) { values[k] = *item; });
+  first.join();
+  EXPECT_EQ(values, (std::vector<int>{20, 0, 10, 40, 30}));
+  for (const auto& count : made) EXPECT_EQ(count, 1);
+}
+
 // Items run parallel loops while other tasks wait for the same items. This must neither deadlock nor mix items.
 TEST(Lazy, SupportsParallelLoopsInItemsOfAParallelLoop) {
   const Lazy<std::vector<int>> lazy(16, 3, [](std::size_t i) {

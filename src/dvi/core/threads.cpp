@@ -70,6 +70,30 @@ class TracedLoop {
   TaskTrace* trace_;
 };
 
+/// Counts the CPU seconds of other threads for a loop as those of the thread that calls it.
+class HelpedLoop {
+ public:
+  HelpedLoop() = default;
+  ~HelpedLoop() { from_helpers += helped_; }
+  HelpedLoop(const HelpedLoop&) = delete;
+  HelpedLoop& operator=(const HelpedLoop&) = delete;
+
+  /// Calls task() on any thread.
+  template <class Task>
+  void call(const Task& task) {
+    if (std::this_thread::get_id() == caller_) return task();
+    const double begun = task_cpu_seconds();
+    task();
+    const double spent = task_cpu_seconds() - begun;
+    from_helpers -= spent;
+    helped_.fetch_add(spent);
+  }
+
+ private:
+  const std::thread::id caller_ = std::this_thread::get_id();
+  std::atomic<double> helped_ = 0;
+};
+
 /// Returns how many items fit into memory; 0: any number.
 std::size_t count_fitting(std::size_t bytes_per_item) {
   constexpr std::size_t kMost = 1'000'000;
@@ -116,29 +140,26 @@ CacheBudget::Loan lend_free_memory(std::size_t bytes_per_item, std::size_t max_i
 
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
   const Handover before, after;
-  const std::thread::id caller = std::this_thread::get_id();
-  std::atomic<double> helped = 0;
+  HelpedLoop loop;
   const TracedLoop traced(count, 0, "a");
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     before.receive();
     const Handover::Sender ends(after);
     const TracedTask task(i, 0);
-    if (std::this_thread::get_id() == caller) return body(i);
-    const double begun = task_cpu_seconds();
-    body(i);
-    const double spent = task_cpu_seconds() - begun;
-    from_helpers -= spent;
-    helped.fetch_add(spent);
+    loop.call([&] { body(i); });
   });
-  from_helpers += helped;
   after.receive();
 }
 
 // The functions that TBB calls are not checked, because they read their captures before they can call receive().
 #define DVI_UNCHECKED __attribute__((no_sanitize("thread")))
 
-void run_pipeline(std::size_t count, const std::vector<PipelineStep>& steps, std::size_t bytes_per_item) {
+namespace {
+
+/// Does the same as run_pipeline(), with at most `max_items` items in progress.
+void run_steps(std::size_t count, const std::vector<PipelineStep>& steps, std::size_t bytes_per_item, std::size_t max_items) {
   const Handover all;
+  HelpedLoop loop;
   std::size_t next = 0;
   tbb::filter<void, std::size_t> chain = tbb::make_filter<void, std::size_t>(
       tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) DVI_UNCHECKED -> std::size_t {
@@ -151,23 +172,29 @@ void run_pipeline(std::size_t count, const std::vector<PipelineStep>& steps, std
     const std::size_t number = orders.size();
     orders += step.order == PipelineStep::Order::any ? 'a' : 'o';
     const bool any = step.order == PipelineStep::Order::any;
-    const auto call = [&all, &step, number](std::size_t i) DVI_UNCHECKED -> std::size_t {
+    const auto call = [&all, &loop, &step, number](std::size_t i) DVI_UNCHECKED -> std::size_t {
       all.receive();
       const Handover::Sender ends(all);
       const TracedTask task(i, number);
       // A thread that waits inside must not begin another item: it would delay this one.
-      tbb::this_task_arena::isolate([&] { step.call(i); });
+      tbb::this_task_arena::isolate([&] { loop.call([&] { step.call(i); }); });
       return i;
     };
     chain = chain & tbb::make_filter<std::size_t, std::size_t>(
                         any ? tbb::filter_mode::parallel : tbb::filter_mode::serial_in_order, call);
   }
   const TracedLoop traced(count, count_fitting(bytes_per_item), orders);
-  const auto max_items = static_cast<std::size_t>(thread_count() + std::max(2, thread_count() / 4));
   const CacheBudget::Loan loan = lend_free_memory(bytes_per_item, max_items);
   tbb::parallel_pipeline(WorkMemory::of_process()->count_items(bytes_per_item, max_items),
                          chain & tbb::make_filter<std::size_t, void>(tbb::filter_mode::parallel, [](std::size_t) {}));
   all.receive();
+}
+
+}  // namespace
+
+void run_pipeline(std::size_t count, const std::vector<PipelineStep>& steps, std::size_t bytes_per_item) {
+  const auto max_items = static_cast<std::size_t>(thread_count() + std::max(2, thread_count() / 4));
+  run_steps(count, steps, bytes_per_item, max_items);
 }
 
 void for_blocks(std::size_t count, const std::function<void(std::size_t first, std::size_t last)>& body,
@@ -182,10 +209,7 @@ void for_blocks(std::size_t count, const std::function<void(std::size_t first, s
 }
 
 void parallel_in_order(std::size_t count, const std::function<void(std::size_t)>& body, std::size_t bytes_per_item) {
-  const auto process = [&](std::size_t first, std::size_t last) {
-    parallel_for(last - first, [&](std::size_t i) { body(first + i); });
-  };
-  for_blocks(count, process, bytes_per_item);
+  run_steps(count, {{PipelineStep::Order::any, body}}, bytes_per_item, static_cast<std::size_t>(thread_count()));
 }
 
 }  // namespace dvi

@@ -28,8 +28,8 @@ class ThreadLimit {
 /// Returns the maximum number of threads.
 int thread_count();
 
-/// Returns the CPU seconds of the calling thread, with those of other threads for its calls of parallel_for(): the cost of a
-/// task, however many threads share it.
+/// Returns the CPU seconds of the calling thread, with those of other threads for its loops: the cost of a task, however many
+/// threads share it.
 double task_cpu_seconds();
 
 /// Calls body(i) for i in [0, count), in any order, on all threads. Each call must write its own output only. The caller merges
@@ -47,8 +47,9 @@ CacheBudget::Loan lend_free_memory(std::size_t bytes_per_item, std::size_t max_i
 void for_blocks(std::size_t count, const std::function<void(std::size_t first, std::size_t last)>& body,
                 std::size_t bytes_per_item = 0);
 
-/// Does the same as parallel_for(), but processes [0, count) from front to back in such blocks, so that data shared by
-/// neighbors stays in a bounded cache.
+/// Does the same as parallel_for(), but begins the items in ascending order, so that data shared by neighbors stays in a
+/// bounded cache. At most thread_count() items are in progress, and fewer if each takes `bytes_per_item` and
+/// WorkMemory::of_process() has too little memory.
 void parallel_in_order(std::size_t count, const std::function<void(std::size_t)>& body, std::size_t bytes_per_item = 0);
 
 /// A step of a pipeline, called with the number of an item.

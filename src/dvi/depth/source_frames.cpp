@@ -1,8 +1,9 @@
 #include "dvi/depth/source_frames.h"
 
 #include <algorithm>
+#include <memory>
 
-#include "dvi/core/threads.h"
+#include "dvi/core/lazy.h"
 #include "dvi/drive/near_views.h"
 
 namespace dvi::depth {
@@ -52,9 +53,8 @@ std::vector<std::size_t> choose_source_frames(const Target& target, const Search
   const SE3 world_from_target = target.view().camera_from_world.inverse();
   const std::vector<std::size_t> candidates = list_candidates(target.views, target.index, max_frame_gap);
   std::vector<std::vector<std::size_t>> observed(candidates.size());
-  parallel_for(candidates.size(), [&](std::size_t i) {  // the visibility of a view takes as long as the rest of the target
-    const std::size_t view = candidates[i];
-    observed[i] = find_observed_points(target.views[view], world_from_target, search, *target.visibility[view]);
+  for_each_item(target.visibility, candidates, [&](std::size_t i, const std::shared_ptr<const VisibilityMap>& visible) {
+    observed[i] = find_observed_points(target.views[candidates[i]], world_from_target, search, *visible);
   });
   // Greedy: each further observation of a point counts half as much as the one before.
   std::vector<double> weight(2 * search.rays.size(), 1);

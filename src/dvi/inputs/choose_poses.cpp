@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
+#include "dvi/core/threads.h"
 #include "dvi/inputs/stretches.h"
 
 namespace dvi::inputs {
@@ -40,8 +41,11 @@ enum class Compared { loam, both };
 void compare_sharpness(const Drive& drive, Compared compared, Progress& progress, PoseChoice& choice) {
   const bool both = compared == Compared::both;
   progress.begin("sharpness", (both ? 2 : 1) * odometry::count_sharpness_ticks(drive));
-  choice.loam = odometry::measure_sharpness(drive, choice.odometry->world_from_lidar, progress.tick());
-  if (both) choice.given = odometry::measure_sharpness(drive, drive.poses, progress.tick());
+  const Tick tick = progress.tick();
+  parallel_for(both ? 2 : 1, [&](std::size_t k) {
+    (k == 0 ? choice.loam : choice.given) =
+        odometry::measure_sharpness(drive, k == 0 ? choice.odometry->world_from_lidar : drive.poses, tick);
+  });
   progress.end();
   if (both && !has_support(*choice.given, *choice.loam) && choice.loam->known())
     choice.warnings.push_back(

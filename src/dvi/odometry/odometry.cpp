@@ -2,16 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
-#include <numeric>
+#include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "dvi/core/threads.h"
 #include "dvi/odometry/loop_closure.h"
 #include "dvi/odometry/motion_prior.h"
 #include "dvi/odometry/rgbd_odometry.h"
 #include "dvi/odometry/rgbd_result.h"
+#include "dvi/odometry/scan_tracker.h"
 #include "dvi/scan_match/scan_features.h"
 
 namespace dvi::odometry {
@@ -33,142 +36,11 @@ bool has_ground_below(const scan_match::Features& features) {
   return static_cast<double>(ground) >= kMinShare * static_cast<double>(flat);
 }
 
-/// A scan in the window of the tracker.
-struct WindowScan {
-  std::size_t scan_index = 0;
-  std::int64_t time_ns = 0;
+/// A scan and its features, which do not depend on other scans.
+struct ReadScan {
+  std::shared_ptr<const Scan> scan;
+  scan_match::Rings rings;
   scan_match::ScanFeatures features;
-  SE3 pose;
-  Vector6d twist = Vector6d::Zero();
-  bool given = false;  // the initial guess was that of the given poses
-};
-
-bool is_near(const SE3& a, const SE3& b) {
-  const SE3 off = a.inverse() * b;
-  return off.t.norm() < kOdometry.max_prior_difference_m && so3_log(off.R).norm() < kOdometry.max_prior_difference_rad;
-}
-
-/// The local map, and the window of scans whose poses may still change.
-class ScanTracker {
- public:
-  ScanTracker(const OdometryOptions& options, const MotionPrior& prior)
-      : options_(&options), prior_(&prior), scene_(scan_match::make_empty_scene(options)) {}
-
-  const WindowScan& last() const { return window_.back(); }
-  const WindowScan& operator[](std::size_t i) const { return window_[i]; }
-  std::size_t size() const { return window_.size(); }
-  scan_match::LocalMaps& scene() { return scene_; }
-
-  void add(WindowScan entry) {
-    scene_.add(entry.features.dense, entry.pose, entry.twist);
-    window_.push_back(std::move(entry));
-  }
-
-  /// Registers the next scan with the given motion or constant velocity as the initial guess.
-  scan_match::Registration follow(WindowScan entry) {
-    std::optional<scan_match::Registration> fit = register_with_prior(entry);
-    entry.given = fit.has_value();
-    if (!fit) fit = register_with_constant_velocity(entry);
-    entry.pose = fit->world_from_lidar;
-    entry.twist = fit->twist;
-    add(std::move(entry));
-    scene_.keep_near(last().pose.t, scan_match::find_feature_range(*options_) + kOdometry.map_margin_m);
-    return *fit;
-  }
-
-  /// Registers the first two scans, with `twist` as the initial guess. The first scan is compensated with the motion found.
-  scan_match::Registration begin(WindowScan first, WindowScan second, const Vector6d& twist, bool given) {
-    const double dt = to_seconds(second.time_ns - first.time_ns);
-    scan_match::Registration fit;
-    fit.twist = twist;
-    fit.world_from_lidar = se3_exp(fit.twist * dt);
-    scan_match::RegisterOptions coarse = scan_match::to_register_options(*options_);
-    coarse.coarse_iterations = 8;
-    coarse.iterations = 12;
-    coarse.prior_m = 1e3;
-    coarse.keeps_guess = second.given = given;
-    for (int round = 0; round < 4; ++round) {
-      ScanTracker fresh(*options_, *prior_);
-      first.twist = fit.twist;
-      fresh.add(first);
-      fit = scan_match::register_scan(second.features.sparse,
-                                      {fit.world_from_lidar, fit.twist, first.pose, round == 0 ? 0 : dt}, fresh.scene_, coarse);
-      if (round == 0) fit.twist = se3_log(fit.world_from_lidar) / dt;
-      coarse.coarse_iterations = 0;
-      *this = std::move(fresh);
-    }
-    window_.front().twist = fit.twist;
-    second.pose = fit.world_from_lidar;
-    second.twist = fit.twist;
-    add(std::move(second));
-    return fit;
-  }
-
-  /// Registers scan i of the window again, to the map without this scan.
-  void refine(std::size_t i) {
-    WindowScan& entry = window_[i];
-    scan_match::RegisterOptions options = scan_match::to_register_options(*options_);
-    options.keeps_guess = entry.given;
-    scene_.remove(entry.features.dense, entry.pose, entry.twist);
-    entry.twist = compute_twist(i);
-    entry.pose = scan_match::register_scan(entry.features.sparse, {entry.pose, entry.twist}, scene_, options).world_from_lidar;
-    entry.twist = compute_twist(i);
-    scene_.add(entry.features.dense, entry.pose, entry.twist);
-  }
-
-  WindowScan pop() {
-    WindowScan entry = std::move(window_.front());
-    window_.pop_front();
-    return entry;
-  }
-
- private:
-  /// Returns nothing if there is no given motion, or if constant velocity fits the scans better.
-  std::optional<scan_match::Registration> register_with_prior(const WindowScan& entry) {
-    const std::optional<SE3> motion = prior_->motion(last().time_ns, entry.time_ns);
-    if (!motion) return std::nullopt;
-    const double dt = to_seconds(entry.time_ns - last().time_ns);
-    scan_match::RegisterOptions options = scan_match::to_register_options(*options_);
-    options.keeps_guess = true;
-    const SE3 guess = last().pose * *motion;
-    const scan_match::Registration fit = scan_match::register_scan(
-        entry.features.sparse, {guess, se3_log(*motion) / dt, last().pose, dt <= kOdometry.max_gap_s ? dt : 0}, scene_,
-        options);
-    const bool agrees = is_near(guess, fit.world_from_lidar);
-    if (agrees && is_near(guess, last().pose * se3_exp(last().twist * dt))) return fit;
-    const double factor = agrees ? kOdometry.prior_factor : 1 / kOdometry.prior_factor;
-    const scan_match::Registration other = register_with_constant_velocity(entry);
-    return factor * static_cast<double>(fit.inliers) > static_cast<double>(other.inliers) ? std::optional(fit) : std::nullopt;
-  }
-
-  scan_match::Registration register_with_constant_velocity(const WindowScan& entry) {
-    const double dt = to_seconds(entry.time_ns - last().time_ns);
-    const auto from = [&](double share, double within) {
-      return scan_match::register_scan(entry.features.sparse,
-                                       {last().pose * se3_exp(last().twist * dt * share), last().twist, last().pose, within},
-                                       scene_, scan_match::to_register_options(*options_));
-    };
-    if (dt <= kOdometry.max_gap_s) return from(1, dt);
-    scan_match::Registration fit = from(1, 0);
-    for (const double share : {0.0, 0.25, 0.5, 0.75, 1.25}) {
-      const scan_match::Registration other = from(share, 0);
-      if (other.inliers > fit.inliers) fit = other;
-    }
-    return fit;
-  }
-
-  /// The mean velocity from the scan before to the scan after.
-  Vector6d compute_twist(std::size_t i) const {
-    const std::size_t a = i > 0 ? i - 1 : 0, b = std::min(i + 1, window_.size() - 1);
-    const double dt = to_seconds(window_[b].time_ns - window_[a].time_ns);
-    if (dt <= 0 || dt > 2 * kOdometry.max_gap_s) return window_[i].twist;
-    return se3_log(window_[a].pose.inverse() * window_[b].pose) / dt;
-  }
-
-  const OdometryOptions* options_;
-  const MotionPrior* prior_;
-  scan_match::LocalMaps scene_;
-  std::deque<WindowScan> window_;
 };
 
 class OdometryRun {
@@ -179,10 +51,12 @@ class OdometryRun {
   }
 
   Odometry run() {
-    for (std::size_t i = 0; i < drive_.scan_headers.size(); ++i) {
-      if (auto entry = read(i)) track(std::move(*entry));
-      tick_();
-    }
+    make_and_use(
+        drive_.scan_headers.size(), [&](std::size_t i) { return read(i); },
+        [&](std::size_t i, ReadScan scan) {
+          if (auto entry = check(i, std::move(scan))) track(std::move(*entry));
+          tick_();
+        });
     if (!starting_.empty()) start();
     for (; refined_ < tracker_.size(); ++refined_)
       if (options_.lag > 0) refine_with_lag(refined_);
@@ -192,9 +66,17 @@ class OdometryRun {
   }
 
  private:
-  std::optional<WindowScan> read(std::size_t i) {
+  ReadScan read(std::size_t i) const {
+    ReadScan out{drive_.scans[i], {}, {}};
+    out.rings = scan_match::find_scan_rings(drive_, *out.scan);
+    out.features = scan_match::extract_scan_features(drive_, *out.scan, out.rings, options_);
+    return out;
+  }
+
+  /// Returns the scan, or nothing if it repeats the scan before, or has too few features.
+  std::optional<WindowScan> check(std::size_t i, ReadScan read) {
     const ScanHeader& header = drive_.scan_headers[i];
-    const std::shared_ptr<const Scan> scan = drive_.scans[i];
+    const std::shared_ptr<const Scan>& scan = read.scan;
     ScanFit& fit = out_.scans[i];
     const bool same = (before_ && before_->points == scan->points) || (before_ && header.time_ns <= before_ns_);
     before_ = scan;
@@ -203,12 +85,11 @@ class OdometryRun {
       return std::nullopt;
     }
     before_ns_ = header.time_ns;
-    const scan_match::Rings rings = scan_match::find_scan_rings(drive_, *scan);
-    if (out_.rings.empty()) check_rings(rings, *scan);
+    if (out_.rings.empty()) check_rings(read.rings, *scan);
     WindowScan entry;
     entry.scan_index = i;
     entry.time_ns = header.time_ns;
-    entry.features = scan_match::extract_scan_features(drive_, *scan, rings, options_);
+    entry.features = std::move(read.features);
     const scan_match::Features& sparse = entry.features.sparse;
     fit.features = sparse.planes.size() + sparse.edges.size();
     if (fit.features < kOdometry.min_features) {
@@ -257,26 +138,18 @@ class OdometryRun {
       starting_.clear();
       return;
     }
-    double best_score = 0;
-    std::vector<scan_match::Registration> best;
-    const auto attempt = [&](const Vector6d& twist, bool given) {
-      ScanTracker tracker(options_, prior_);
-      std::vector<scan_match::Registration> fits{tracker.begin(starting_[0], starting_[1], twist, given)};
-      for (std::size_t i = 2; i < starting_.size(); ++i) fits.push_back(tracker.follow(starting_[i]));
-      double score = given ? kOdometry.prior_factor : 1;
-      score *= std::accumulate(fits.begin(), fits.end(), 0.0, [](double sum, const scan_match::Registration& fit) {
-        return sum + static_cast<double>(fit.inliers);
-      });
-      if (!best.empty() && score <= best_score) return;  // without any inlier, the scans are lost, but have poses
-      best_score = score;
-      best = std::move(fits);
-      tracker_ = std::move(tracker);
-    };
+    std::vector<StartAttempt> attempts;
     const std::int64_t from = starting_[0].time_ns, to = starting_[1].time_ns;
-    if (const auto motion = prior_.motion(from, to)) attempt(se3_log(*motion) / to_seconds(to - from), true);
+    if (const auto motion = prior_.motion(from, to))
+      attempts.emplace_back(ScanTracker(options_, prior_), se3_log(*motion) / to_seconds(to - from), true);
     for (const double speed : kStartSpeedsMS)
-      if (!handheld || speed == 0) attempt(speed * Vector6d::Unit(0), false);
-    for (std::size_t i = 0; i < best.size(); ++i) record(starting_[i + 1].scan_index, best[i], tracker_[i + 1].given);
+      if (!handheld || speed == 0) attempts.emplace_back(ScanTracker(options_, prior_), speed * Vector6d::Unit(0), false);
+    parallel_for(attempts.size(), [&](std::size_t k) { attempts[k].run(starting_); });
+    const auto best = std::max_element(attempts.begin(), attempts.end(),
+                                       [](const StartAttempt& a, const StartAttempt& b) { return a.score < b.score; });
+    tracker_ = std::move(best->tracker);
+    for (std::size_t i = 0; i < best->fits.size(); ++i)
+      record(starting_[i + 1].scan_index, best->fits[i], tracker_[i + 1].given);
     starting_.clear();
   }
 

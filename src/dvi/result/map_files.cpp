@@ -2,9 +2,11 @@
 
 #include <array>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -12,6 +14,7 @@
 #include "dvi/core/error.h"
 #include "dvi/core/scratch.h"
 #include "dvi/core/text.h"
+#include "dvi/core/threads.h"
 #include "dvi/geometry/rigid.h"
 #include "dvi/map/visible_points.h"
 #include "dvi/media/write_ply.h"
@@ -21,9 +24,10 @@ namespace {
 
 /// Parameters of the map's colors.
 struct ColorParams {
-  std::size_t max_frames = 40;  ///< frames, evenly spread, that are compared with the map
-  double splat_m = 0.07;        ///< size of a point
-  double tolerance = 0.05;      ///< relative depth by which a point may be behind another one
+  std::size_t max_frames = 40;       ///< frames, evenly spread, that are compared with the map
+  double splat_m = 0.07;             ///< size of a point
+  double tolerance = 0.05;           ///< relative depth by which a point may be behind another one
+  std::size_t bytes_per_pixel = 64;  ///< memory of a frame in progress
 };
 constexpr ColorParams kColors;
 const cv::Vec3b kUncolored(128, 128, 128);
@@ -63,14 +67,26 @@ Colors sample_colors(const map::StaticMap& map, const Views& views) {
   Colors out(map.points.size(), kUncolored, map.scratch());
   const std::size_t last = views.of_sequence(0).second;
   const std::size_t step = std::max<std::size_t>(1, last / kColors.max_frames);
-  for (std::size_t i = 0; i < last; i += step) {
-    const auto image = views.images[i];
-    const auto mask = views.masks[i];
-    for (const map::VisiblePoint& p : map::find_visible_points(map, views[i], kColors.splat_m, kColors.tolerance)) {
+  struct ColoredPoints {
+    std::vector<map::VisiblePoint> points;
+    std::shared_ptr<const cv::Mat3b> image;
+    std::shared_ptr<const cv::Mat1b> mask;
+  };
+  const auto find = [&](std::size_t n) {
+    const std::size_t i = n * step;
+    return ColoredPoints{map::find_visible_points(map, views[i], kColors.splat_m, kColors.tolerance), views.images[i],
+                         views.masks[i]};
+  };
+  const auto sample = [&](std::size_t, const ColoredPoints& observed) {
+    for (const map::VisiblePoint& p : observed.points) {
       const cv::Point pixel(cvRound(p.u), cvRound(p.v));
-      if ((*mask)(pixel) == 0) out[p.index] = (*image)(pixel);  // later frames are nearer, so they replace earlier ones
+      if ((*observed.mask)(pixel) == 0)
+        out[p.index] = (*observed.image)(pixel);  // later frames are nearer and replace earlier ones
     }
-  }
+  };
+  const Camera& camera = views[0].camera;
+  const auto pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+  make_and_use((last + step - 1) / step, find, sample, kColors.bytes_per_pixel * pixels);
   return out;
 }
 

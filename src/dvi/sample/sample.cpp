@@ -14,6 +14,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/core/lazy.h"
 #include "dvi/core/threads.h"
 #include "dvi/drive/near_views.h"
 #include "dvi/image/interpolate.h"
@@ -55,17 +56,17 @@ class Source {
   /// Returns whether a pixel projects into the image of the source.
   bool contains(const SurfacePixel& pixel) const { return project(pixel).has_value(); }
 
-  /// Loads the visibility of the source, which find_candidate() needs if it contains a pixel.
-  void load_visibility() {
-    if (!visible_) visible_ = visibility_[number_];
-  }
+  std::size_t number() const { return number_; }
+
+  /// Sets the visibility of the source, which find_candidate() otherwise loads.
+  void set_visibility(std::shared_ptr<const depth::VisibilityMap> visible) { visible_ = std::move(visible); }
 
   /// Returns the candidate for a pixel, or nothing if the source does not show it with a score above `min_score`.
   std::optional<Candidate> find_candidate(const SurfacePixel& pixel, float min_score) {
     const std::optional<SourcePosition> projection = project(pixel);
     if (!projection) return std::nullopt;
     const cv::Point2f at = quantize(projection->position.x(), projection->position.y());
-    load_visibility();
+    if (!visible_) visible_ = visibility_[number_];
     if (visible_->is_masked(at)) return std::nullopt;
     const float clearance = visible_->clearance_px(at);
     if (options_.scored && static_cast<float>(max_score(seconds_, clearance)) <= min_score) return std::nullopt;
@@ -105,7 +106,7 @@ class Source {
   double seconds_;
   const Lazy<depth::VisibilityMap>& visibility_;
   const SampleOptions& options_;
-  std::shared_ptr<const depth::VisibilityMap> visible_;  // computed once a pixel projects into the image
+  std::shared_ptr<const depth::VisibilityMap> visible_;
 };
 
 /// The candidates of each pixel with the highest scores so far.
@@ -241,12 +242,15 @@ Candidates sample(const depth::Target& target, const SampleOptions& options) {
       const auto needs = [&](std::uint32_t i) {
         return ranking.min_score(surface[i].pixel) < bounds[k] && sources[k].contains(surface[i]);
       };
-      if (std::none_of(open.begin(), open.end(), needs)) return;
-      sources[k].load_visibility();
-      is_needed[k] = 1;
+      is_needed[k] = std::any_of(open.begin(), open.end(), needs) ? 1 : 0;
     });
-    for (std::size_t k = 0; k < sources.size() && !open.empty(); ++k) {
-      if (is_needed[k] == 0) continue;
+    std::vector<std::size_t> needed, numbers;
+    for (std::size_t k = 0; k < sources.size(); ++k)
+      if (is_needed[k] != 0) needed.push_back(k), numbers.push_back(sources[k].number());
+    for_each_item(target.visibility, numbers, [&](std::size_t n, std::shared_ptr<const depth::VisibilityMap> visible) {
+      sources[needed[n]].set_visibility(std::move(visible));
+    });
+    for (const std::size_t k : needed) {
       // Later frames have lower scores, so that they cannot improve pixels whose candidates all have higher ones.
       std::erase_if(open, [&](std::uint32_t i) { return ranking.min_score(surface[i].pixel) >= bounds[k]; });
       for (const std::uint32_t i : open) {
