@@ -7,7 +7,7 @@ FILL = ("depth", "sample", "regularize", "harmonize", "smooth", "write")
 def costs(report):
     """CPU seconds per frame by stage, in the order of the run, and the other figures of cost in a run's report.json.
 
-    Stages of `fill` are below it; the remainder is its `else`.
+    The stages of one frame, which `completion` and `fill` call, are below `fill`; the remainder of both is `else`.
     """
     cost, frames = report["cost"], report["cost"]["frames_made"]
     if frames == 0:
@@ -18,7 +18,7 @@ def costs(report):
         if stage["stage"] == "fill":
             booked = {name: cost["fill"][name]["cpu_seconds"] / frames for name in sorted(cost["fill"], key=fill_order)}
             rows |= {f"  {name}": seconds for name, seconds in booked.items()}
-            rows["  else"] = rows["fill"] - sum(booked.values())
+            rows["  else"] = rows.get("completion", 0) + rows["fill"] - sum(booked.values())
     rows["CPU s per frame"] = sum(stage["cpu_seconds"] for stage in cost["stages"]) / frames
     rows["wall s per frame"] = sum(stage["seconds"] for stage in cost["stages"]) / frames
     rows["peak MB"] = cost["peak_memory_bytes"] / 1e6

@@ -39,6 +39,15 @@ class Costs(unittest.TestCase):
         self.assertAlmostEqual(found["CPU s per frame"], sum(found[name] for name in ["read", "map", "align", "fill", "video"]))
         self.assertAlmostEqual(found["fill"], sum(value for name, value in found.items() if name.startswith("  ")))
 
+    def test_stages_of_completed_views_are_counted_with_those_of_the_fill(self):
+        report = copy.deepcopy(REPORT)
+        report["cost"]["stages"].insert(3, {"stage": "completion", "seconds": 1, "cpu_seconds": 1.2})
+        report["cost"]["fill"]["depth"]["cpu_seconds"] += 1
+        found = costs(report)
+        self.assertAlmostEqual(found["  else"], 0.025)
+        self.assertAlmostEqual(found["completion"] + found["fill"],
+                               sum(value for name, value in found.items() if name.startswith("  ")))
+
     def test_an_unknown_stage_follows_the_known_ones(self):
         report = copy.deepcopy(REPORT)
         report["cost"]["fill"]["color"] = {"cpu_seconds": 0.2}

@@ -110,7 +110,7 @@ def write_page(lengths, sources, command, target=ROOT / "docs/growth.md"):
     text = f"""# How cost grows
 <!-- Written by ./dev bench growth. -->
 Synthetic streets of 160x90 px and 16 beams; `{' '.join(BOUNDS)}`. Figures are CPU milliseconds per frame
-of the target by stage (the indented stages are parts of `fill`), the peak memory, and the size of the result.
+of the target by stage (the indented stages are parts of `completion` and `fill`), the peak memory, and the size of the result.
 
 - Machine: {machine()}
 - Commit: `{commit()}`

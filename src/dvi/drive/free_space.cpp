@@ -14,8 +14,9 @@ constexpr float kPi = std::numbers::pi_v<float>;
 constexpr int kColumns = 1800;
 constexpr float kCellRad = 2 * kPi / kColumns;  // 0.2 degrees, the approximate resolution of LiDARs
 constexpr int kPaddingColumns = 24;             // repeated beyond the seam, as wide as the widest window
-constexpr float kNoReturnM = 1e9F;
-constexpr float kMinRangeM = 0.5F;  // nearer returns mark rays without a return
+constexpr float kStepsPerMeter = 512;           // the unit of stored ranges
+constexpr ushort kNoReturn = 0xFFFF;            // returns beyond 128 m are stored as at 128 m, which is beyond kMaxRangeM
+constexpr float kMinRangeM = 0.5F;              // nearer returns mark rays without a return
 
 // The error is below 1e-4 radians, 3 % of a cell; the function is five times as fast as that of the library.
 float fast_atan2(float y, float x) {
@@ -41,14 +42,16 @@ int find_column(const Eigen::Vector3f& p) {
   return column < kColumns ? column : 0;
 }
 
+ushort to_steps(float range_m) { return static_cast<ushort>(std::min(range_m * kStepsPerMeter + 0.5F, kNoReturn - 1.0F)); }
+
 bool is_return(const Eigen::Vector3f& p) { return p.squaredNorm() > kMinRangeM * kMinRangeM; }
 
 // Estimates the number of cells between rays, vertically and horizontally, from the fill of the fullest columns and rows.
-cv::Size estimate_spacing(const cv::Mat1f& nearest) {
+cv::Size estimate_spacing(const cv::Mat1w& nearest) {
   std::vector<int> in_column(nearest.cols, 0), in_row(nearest.rows, 0);
   for (int y = 0; y < nearest.rows; ++y)
     for (int x = 0; x < nearest.cols; ++x)
-      if (nearest(y, x) < kNoReturnM) {
+      if (nearest(y, x) < kNoReturn) {
         ++in_column[x];
         ++in_row[y];
       }
@@ -75,11 +78,11 @@ FreeSpace::FreeSpace(const Scan& scan, const ScanHeader& header, const Trajector
   if (low_ > high_) return;
   place(scan, header, world_from_lidar);
   if (!valid()) return;
-  cv::Mat1f nearest(round_to_int((high_ - low_) / kCellRad) + 1, kColumns, kNoReturnM);
+  cv::Mat1w nearest(round_to_int((high_ - low_) / kCellRad) + 1, kColumns, kNoReturn);
   for (const Eigen::Vector3f& p : scan.points)
     if (is_return(p)) {
-      float& cell = nearest(round_to_int((compute_elevation(p) - low_) / kCellRad), find_column(p));
-      cell = std::min(cell, p.norm());
+      ushort& cell = nearest(round_to_int((compute_elevation(p) - low_) / kCellRad), find_column(p));
+      cell = std::min(cell, to_steps(p.norm()));
     }
   erode(nearest);
 }
@@ -105,23 +108,24 @@ void FreeSpace::place(const Scan& scan, const ScanHeader& header, const Trajecto
   }
 }
 
-void FreeSpace::erode(const cv::Mat1f& nearest) {
+void FreeSpace::erode(const cv::Mat1w& nearest) {
   const cv::Size gap = estimate_spacing(nearest);
   rise_ = static_cast<float>(gap.height) * kCellRad;
-  cv::Mat1f padded;
+  cv::Mat1w padded;
   cv::copyMakeBorder(nearest, padded, 0, 0, kPaddingColumns, kPaddingColumns, cv::BORDER_WRAP);
-  cv::Mat1f ends = padded.clone();
-  ends.setTo(0, padded >= kNoReturnM);
+  cv::Mat1w ends = padded.clone();
+  ends.setTo(0, padded == kNoReturn);
   for (std::size_t level = 0; level < kWindows.size(); ++level) {
     const int dx = gap.width + kWindows[level], dy = gap.height + kWindows[level];
     const cv::Mat window = cv::Mat1b::ones(dy + 1, 2 * dx + 1);
-    cv::Mat1f above, below;
+    cv::Mat1w above, below, nearest_around, farthest;
     cv::erode(padded, above, window, {dx, 0});
     cv::erode(padded, below, window, {dx, dy});
-    nearest_[level] = cv::min(above, below);
-    nearest_[level].setTo(0, (above >= kNoReturnM) | (below >= kNoReturnM));
+    cv::min(cv::InputArray(above), cv::InputArray(below), cv::OutputArray(nearest_around));
+    nearest_around.setTo(0, (above == kNoReturn) | (below == kNoReturn));
     // The dilation is only vertical, because a ground at grazing angles has a wide spread of ranges there.
-    cv::dilate(ends, farthest_[level], cv::Mat1b::ones(2 * dy + 1, 1));
+    cv::dilate(ends, farthest, cv::Mat1b::ones(2 * dy + 1, 1));
+    cv::merge(std::array<cv::Mat, 2>{nearest_around, farthest}, ranges_[level]);
   }
 }
 
@@ -142,18 +146,19 @@ FreeSpace::Seen FreeSpace::judge(const Eigen::Vector3d& world, double radius_m) 
   const float reach = static_cast<float>(pose_error_ + radius_m) / (range * kCellRad);
   const auto window = std::find_if(kWindows.begin(), kWindows.end(), [&](int w) { return static_cast<float>(w) >= reach; });
   const int row = round_to_int((compute_elevation(p) - low_) / kCellRad);
-  if (window == kWindows.end() || row < 0 || row >= nearest_[0].rows) return Seen::unknown;
+  if (window == kWindows.end() || row < 0 || row >= ranges_[0].rows) return Seen::unknown;
   const auto level = static_cast<std::size_t>(window - kWindows.begin());
   const int column = find_column(p) + kPaddingColumns;
-  const float nearest = nearest_[level](row, column);
+  const cv::Vec2w& ranges = ranges_[level](row, column);
+  const float nearest = ranges[0], farthest = ranges[1];
   if (nearest == 0) return Seen::unknown;
-  if (nearest > range + kObjectDepthM) return Seen::passed;
-  return farthest_[level](row, column) < range - kObjectDepthM ? Seen::hidden : Seen::hit;
+  if (nearest > (range + kObjectDepthM) * kStepsPerMeter) return Seen::passed;
+  return farthest < (range - kObjectDepthM) * kStepsPerMeter ? Seen::hidden : Seen::hit;
 }
 
 std::size_t FreeSpace::bytes() const {
   std::size_t bytes = bytes_of(poses_);
-  for (std::size_t level = 0; level < kWindows.size(); ++level) bytes += bytes_of(nearest_[level]) + bytes_of(farthest_[level]);
+  for (const cv::Mat2w& ranges : ranges_) bytes += bytes_of(ranges);
   return bytes;
 }
 

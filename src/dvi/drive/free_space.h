@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -28,7 +29,7 @@ class FreeSpace {
   /// Returns whether a position in world axes lies above all rays of the scan.
   bool is_above(const Eigen::Vector3d& world) const;
 
-  enum class Seen { unknown, hidden, hit, passed };
+  enum class Seen : std::uint8_t { unknown, hidden, hit, passed };
   /// Determines whether the scan shows a small object of radius `radius_m` in world axes. `passed` means that all rays within
   /// its radius and the pose error, and the next rays above and below, ended behind it.
   Seen judge(const Eigen::Vector3d& world, double radius_m) const;
@@ -48,7 +49,7 @@ class FreeSpace {
   /// Returns a position in world axes in the axes of the sensor, at the time of the rays toward it.
   Eigen::Vector3f to_sensor(const Eigen::Vector3d& world) const;
   void place(const Scan& scan, const ScanHeader& header, const Trajectory& world_from_lidar);
-  void erode(const cv::Mat1f& nearest);
+  void erode(const cv::Mat1w& nearest);
 
   double pose_error_ = 0;
   Eigen::Vector3d sensor_ = Eigen::Vector3d::Zero();
@@ -57,8 +58,9 @@ class FreeSpace {
   float low_ = 0;                      // elevation of row 0
   float high_ = 0;                     // elevation of the highest ray
   float rise_ = 0;
-  // The nearest return around a direction (0: not between returns), and the farthest one above and below it.
-  std::array<cv::Mat1f, kWindows.size()> nearest_, farthest_;
+  // Per window: the range to the nearest return around a direction (0: not between returns), and to the farthest one above and
+  // below it, in steps of 2 mm.
+  std::array<cv::Mat2w, kWindows.size()> ranges_;
 };
 
 }  // namespace dvi

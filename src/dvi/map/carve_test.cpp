@@ -262,6 +262,21 @@ TEST(FreeSpace, DistinguishesHitPassedAndHidden) {
   EXPECT_FALSE(FreeSpace().is_above({10, 0, 4})) << "without a scan";
 }
 
+TEST(FreeSpace, IsInFrontOfReturnsFromAnyDistance) {
+  const Drive drive = make_plane_drive(1, [](const Eigen::Vector3d&, const Eigen::Vector3d&, double) { return 20.0; });
+  for (const double wall_m : {20.0, 79.9, 127.9, 128.1, 190.0, 4000.0}) {
+    const Lazy<Scan> far(1, 1, [scans = drive.scans, scale = static_cast<float>(wall_m / 20)](std::size_t i) {
+      Scan scan = *scans[i];
+      for (Eigen::Vector3f& point : scan.points) point *= scale;
+      return scan;
+    });
+    const FreeSpace space(*far[0], drive.scan_headers[0], drive.poses, 0.05);
+    for (const double x : {5.0, 19.0, 21.0, 60.0, 79.0})
+      EXPECT_EQ(space.judge({x, 0, 0}, 0.05), x < wall_m ? FreeSpace::Seen::passed : FreeSpace::Seen::hidden)
+          << x << " m, in front of a wall at " << wall_m << " m";
+  }
+}
+
 TEST(Normals, PointTowardTheSensor) {
   const Drive drive = make_plane_drive(3, [](const Eigen::Vector3d& origin, const Eigen::Vector3d& ray, double) {
     return std::min(ground(origin, ray), facades(origin, ray));

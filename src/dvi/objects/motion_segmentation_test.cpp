@@ -87,6 +87,26 @@ TEST(MotionSegmentation, FindsAWalkingPersonInAShortDrive) {
   EXPECT_NEAR(tracks[0].velocity(12).norm(), 1.45, 0.3);
 }
 
+TEST(MovingReturns, HaveTheSameVotesAloneAndWithTheirNeighbors) {
+  const RecordedStreet street(14);
+  const ground::ScanGround ground(street.drive, street.drive.poses);
+  std::vector<bool> untrusted(14, false);
+  untrusted[5] = true;
+  const MovingReturns returns(street.drive, {street.drive.poses, 0.05, untrusted}, ground);
+  const std::vector<ObstacleReturns> together = returns.vote(0, 14);
+  ASSERT_EQ(together.size(), 14U);
+  std::ptrdiff_t moving = 0, stationary = 0;
+  for (std::size_t i = 0; i < together.size(); ++i) {
+    EXPECT_EQ(together[i].vote, returns.vote(i, i + 1).front().vote) << "scan " << i;
+    EXPECT_EQ(together[i].vote.size(), together[i].points.size());
+    EXPECT_EQ(together[i].points.empty(), i == 5) << "its pose is wrong";
+    moving += std::count(together[i].vote.begin(), together[i].vote.end(), VisibilityVote::moving);
+    stationary += std::count(together[i].vote.begin(), together[i].vote.end(), VisibilityVote::stationary);
+  }
+  EXPECT_GT(moving, 100);
+  EXPECT_GT(stationary, 10 * moving);
+}
+
 TEST(MotionSegmentation, FindsNothingInOneScanOrWithoutPoses) {
   const RecordedStreet street(1);
   EXPECT_TRUE(segment(street.drive, {street.drive.poses}).tracks.empty());

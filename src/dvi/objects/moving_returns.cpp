@@ -1,8 +1,12 @@
 #include "dvi/objects/moving_returns.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
+#include <set>
 
+#include "dvi/core/lazy.h"
+#include "dvi/core/threads.h"
 #include "dvi/drive/deskew.h"
 #include "dvi/drive/nearest_in_time.h"
 
@@ -28,8 +32,6 @@ constexpr VisibilityVoteParams kVoting{};
 // Whether the scans of a sensor position have the view of the scan that is judged.
 enum class SensorPosition { own, other };
 
-}  // namespace
-
 // Counts the votes of scans on one return. Scans from one sensor position have one view of the return, so they count as one
 // scan, by their mean. Only scans from the position of the return's own scan, which observe the return as that scan does, can
 // show on their own that it moves.
@@ -54,6 +56,42 @@ class VoteCounts {
  private:
   int current_free_ = 0, current_hit_ = 0, free_ = 0, hit_ = 0, positions_ = 0;
   double free_share_sum_ = 0;  // over the positions
+};
+
+}  // namespace
+
+// A scan, and the observations of other scans at its returns.
+struct ComparedScan {
+  std::size_t number = 0;
+  std::shared_ptr<const ObstacleReturns> returns;
+  std::vector<std::size_t> window, distant;                      // the other scans; scans with wrong poses are left out
+  std::map<std::size_t, std::vector<FreeSpace::Seen>> observed;  // by other scan: per return; empty if it observes nothing
+
+  void compare(std::size_t other, const FreeSpace& space) {
+    const auto found = observed.find(other);
+    if (found == observed.end() || !space.valid()) return;
+    found->second.reserve(returns->points.size());
+    for (const Eigen::Vector3d& point : returns->points) found->second.push_back(space.judge(point, kVoting.return_radius_m));
+  }
+
+  std::vector<VoteCounts> count_votes(const std::vector<std::size_t>& others,
+                                      const std::vector<Eigen::Vector2d>& sensors) const {
+    std::vector<VoteCounts> votes(returns->points.size());
+    std::optional<Eigen::Vector2d> position;
+    const auto finish_position = [&] {
+      const bool own = position && (sensors[number] - *position).norm() < kVoting.same_position_m;
+      for (VoteCounts& counts : votes) counts.finish_position(own ? SensorPosition::own : SensorPosition::other);
+    };
+    for (const std::size_t other : others) {
+      const std::vector<FreeSpace::Seen>& states = observed.at(other);
+      if (states.empty()) continue;
+      if (position && (sensors[other] - *position).norm() >= kVoting.same_position_m) finish_position();
+      if (!position || (sensors[other] - *position).norm() >= kVoting.same_position_m) position = sensors[other];
+      for (std::size_t i = 0; i < states.size(); ++i) votes[i].add(states[i]);
+    }
+    finish_position();
+    return votes;
+  }
 };
 
 MovingReturns::MovingReturns(const Drive& drive, const ScanPoses& poses, const ground::ScanGround& ground)
@@ -136,34 +174,35 @@ ObstacleReturns MovingReturns::extract_obstacles(std::size_t scan) const {
   return out;
 }
 
-std::vector<VoteCounts> MovingReturns::count_votes(const std::vector<std::size_t>& scans, std::size_t judged,
-                                                   const std::vector<Eigen::Vector3d>& points) const {
-  std::vector<VoteCounts> votes(points.size());
-  std::optional<Eigen::Vector2d> position;
-  const auto finish_position = [&] {
-    const bool own = position && (sensors_[judged] - *position).norm() < kVoting.same_position_m;
-    for (VoteCounts& counts : votes) counts.finish_position(own ? SensorPosition::own : SensorPosition::other);
-  };
-  for (const std::size_t scan : scans) {
-    if (!is_trusted(scan)) continue;
-    const auto space = spaces_[scan];
-    if (!space->valid()) continue;
-    if (position && (sensors_[scan] - *position).norm() >= kVoting.same_position_m) finish_position();
-    if (!position || (sensors_[scan] - *position).norm() >= kVoting.same_position_m) position = sensors_[scan];
-    for (std::size_t i = 0; i < points.size(); ++i) votes[i].add(space->judge(points[i], kVoting.return_radius_m));
+ComparedScan MovingReturns::list_comparisons(std::size_t scan) const {
+  ComparedScan out{scan, obstacles(scan), select_window(scan), select_distant(scan), {}};
+  for (std::vector<std::size_t>* others : {&out.window, &out.distant}) {
+    std::erase_if(*others, [&](std::size_t other) { return !is_trusted(other); });
+    for (const std::size_t other : *others) out.observed[other];
   }
-  finish_position();
-  return votes;
+  return out;
 }
 
-ObstacleReturns MovingReturns::vote(std::size_t scan) const {
-  ObstacleReturns out = *obstacles(scan);
-  const std::vector<VoteCounts> near = count_votes(select_window(scan), scan, out.points);
-  const std::vector<VoteCounts> far = count_votes(select_distant(scan), scan, out.points);
-  for (std::size_t i = 0; i < out.points.size(); ++i)
-    out.vote.push_back(near[i].is_moving() || far[i].is_moving()               ? VisibilityVote::moving
-                       : near[i].hit() + far[i].hit() >= kVoting.min_hit_scans ? VisibilityVote::stationary
-                                                                               : VisibilityVote::unknown);
+std::vector<ObstacleReturns> MovingReturns::vote(std::size_t first, std::size_t last) const {
+  std::vector<ComparedScan> compared(last - first);
+  parallel_for(compared.size(), [&](std::size_t k) { compared[k] = list_comparisons(first + k); });
+  std::set<std::size_t> others;
+  for (const ComparedScan& scan : compared)
+    for (const auto& [other, states] : scan.observed) others.insert(other);
+  const std::vector<std::size_t> numbers(others.begin(), others.end());
+  for_each_item(spaces_, numbers, [&](std::size_t n, const std::shared_ptr<const FreeSpace>& space) {
+    for (ComparedScan& scan : compared) scan.compare(numbers[n], *space);
+  });
+  std::vector<ObstacleReturns> out(compared.size());
+  parallel_for(compared.size(), [&](std::size_t k) {
+    const std::vector<VoteCounts> near = compared[k].count_votes(compared[k].window, sensors_),
+                                  far = compared[k].count_votes(compared[k].distant, sensors_);
+    out[k] = *compared[k].returns;
+    for (std::size_t i = 0; i < near.size(); ++i)
+      out[k].vote.push_back(near[i].is_moving() || far[i].is_moving()               ? VisibilityVote::moving
+                            : near[i].hit() + far[i].hit() >= kVoting.min_hit_scans ? VisibilityVote::stationary
+                                                                                    : VisibilityVote::unknown);
+  });
   return out;
 }
 

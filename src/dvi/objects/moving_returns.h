@@ -39,7 +39,7 @@ struct ScanPoses {
   std::vector<bool> untrusted = {};  ///< per scan, whether its pose is known to be wrong; empty if none is
 };
 
-class VoteCounts;
+struct ComparedScan;
 
 /// Finds moving returns: compares each scan with those shortly before and after, and with some of the whole drive.
 class MovingReturns {
@@ -55,8 +55,9 @@ class MovingReturns {
   std::optional<std::size_t> find_scan(std::int64_t time_ns) const;
   /// Returns the obstacle returns of a scan without votes, or none if its pose is wrong.
   std::shared_ptr<const ObstacleReturns> obstacles(std::size_t scan) const;
-  /// Returns the obstacle returns of a scan with the visibility votes of the other scans.
-  ObstacleReturns vote(std::size_t scan) const;
+  /// Returns the obstacle returns of the scans [first, last) with the visibility votes of the other scans. The votes on several
+  /// scans at a time need less time, because scans nearby are compared with the same ones.
+  std::vector<ObstacleReturns> vote(std::size_t first, std::size_t last) const;
   std::shared_ptr<const FreeSpace> free_space(std::size_t scan) const { return spaces_[scan]; }
   /// Returns whether a scan may be compared with others.
   bool is_trusted(std::size_t scan) const { return !untrusted_[scan]; }
@@ -69,8 +70,7 @@ class MovingReturns {
 
  private:
   ObstacleReturns extract_obstacles(std::size_t scan) const;
-  std::vector<VoteCounts> count_votes(const std::vector<std::size_t>& scans, std::size_t judged,
-                                      const std::vector<Eigen::Vector3d>& points) const;
+  ComparedScan list_comparisons(std::size_t scan) const;
   std::vector<std::size_t> select_window(std::size_t scan) const;
   std::vector<std::size_t> select_distant(std::size_t scan) const;
 

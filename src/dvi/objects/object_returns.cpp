@@ -163,7 +163,7 @@ ObjectReturns::ScanColumns ObjectReturns::fill_columns(std::size_t scan) const {
   for (const ObjectCamera& camera : all_.cameras)
     if (camera.evidence.camera.shows_objects()) add_masked(camera, scan, columns);
   if (!all_.all_moving) return columns;
-  const ObstacleReturns voted = all_.returns->vote(scan);
+  const ObstacleReturns voted = std::move(all_.returns->vote(scan, scan + 1).front());
   add_moving(scan, voted, columns);
   for (const ObjectCamera& camera : all_.cameras) add_outlined(camera, scan, voted, columns);
   return columns;
