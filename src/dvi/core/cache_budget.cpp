@@ -9,7 +9,9 @@ namespace dvi {
 namespace {
 
 constexpr std::size_t kDefaultBound = std::size_t{1000} << 20;
-constexpr std::size_t kTrimAfter = std::size_t{256} << 20;  // dropped bytes; a trim costs about as much time as making them
+// Dropped bytes after which the heap is trimmed, at most, and relative to the bound. A trim costs about as much time as making
+// them.
+constexpr std::size_t kMaxTrimAfter = std::size_t{256} << 20, kTrimAfterBounds = 4;
 
 }  // namespace
 
@@ -25,7 +27,7 @@ void CacheBudget::destroy(Items dropped) {
   for (const auto& [rank, item] : dropped) bytes += item.size;
   dropped.clear();
   freed_ += bytes;
-  if (bytes == 0 || freed_ < kTrimAfter) return;
+  if (bytes == 0 || freed_ < std::min(kMaxTrimAfter, kTrimAfterBounds * bound())) return;
   freed_ = 0;
   malloc_trim(0);
 }

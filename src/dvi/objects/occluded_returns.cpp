@@ -36,6 +36,10 @@ Cluster complete_observation(const Track& track, std::size_t observation, const 
     if (j != observation && std::abs(seconds_between(other.mean_time_ns, cluster.mean_time_ns)) < kMaxOcclusionGapS)
       add_occluded(other, velocity, free_space, cluster);
   }
+  cluster.points.shrink_to_fit();  // the observations of all tracks are kept until the objects of the drive are drawn
+  cluster.time_ns.shrink_to_fit();
+  cluster.ground.shrink_to_fit();
+  cluster.ray_spacing_m.shrink_to_fit();
   return cluster;
 }
 

@@ -58,18 +58,55 @@ class TrackEnd {
   }
 
  private:
+  // The returns of a scan near the last observation.
+  struct NearReturns {
+    std::size_t scan;
+    ObstacleReturns returns;
+    std::vector<std::size_t> clear, hits;  // per return: number of judges
+  };
+
+  // Looks for the object in all scans that may show it, until one of them does, and then again from there. Each judge judges
+  // these scans together, because there may be no memory for all judges.
   void add_observations() {
     if (judges_.size() < kPhases.min_clear_scans) return;
-    for (auto next = next_scan(last().scan, direction_); next; next = next_scan(*next, direction_)) {
+    std::size_t count = returns_.scans();
+    for (std::optional<Cluster> found = Cluster(); found; count = 1) {
+      std::vector<NearReturns> near = collect_near(count);
+      judge(near);
+      found = find_first(near);
+      // After an observation, the next scan usually has another one; otherwise, those after it are searched, too.
+      if (!found && count == 1) {
+        near = collect_near(returns_.scans());
+        judge(near);
+        found = find_first(near);
+      }
+      if (!found) return;
+      track_.observations.insert(is_forward() ? track_.observations.end() : track_.observations.begin(), std::move(*found));
+    }
+  }
+
+  // Collects the returns of at most `count` scans with returns after the last observation, up to the largest gap.
+  std::vector<NearReturns> collect_near(std::size_t count) const {
+    const double max_gap_s = is_stationary() ? kPhases.max_stationary_gap_s : kPhases.max_gap_s;
+    std::vector<NearReturns> out;
+    for (auto next = next_scan(last().scan, direction_); next && out.size() < count; next = next_scan(*next, direction_)) {
       const auto returns = returns_.obstacles(*next);
       if (returns->points.empty()) continue;
-      const double max_gap_s = is_stationary() ? kPhases.max_stationary_gap_s : kPhases.max_gap_s;
-      if (compute_gap_s(returns->time_ns[returns->time_ns.size() / 2]) > max_gap_s) return;
-      if (auto cluster = find_in(*returns)) {
-        cluster->scan = *next;
-        track_.observations.insert(is_forward() ? track_.observations.end() : track_.observations.begin(), std::move(*cluster));
+      if (compute_gap_s(returns->time_ns[returns->time_ns.size() / 2]) > max_gap_s) break;
+      out.push_back({*next, select_near(*returns), {}, {}});
+    }
+    return out;
+  }
+
+  std::optional<Cluster> find_first(std::vector<NearReturns>& near) const {
+    for (NearReturns& scan : near) {
+      vote(scan);
+      if (std::optional<Cluster> cluster = find_in(scan.returns)) {
+        cluster->scan = scan.scan;
+        return cluster;
       }
     }
+    return std::nullopt;
   }
 
   bool is_stationary_phase(std::size_t added) const {
@@ -125,9 +162,7 @@ class TrackEnd {
     return cluster.moving_share >= kPhases.min_moving_share && cluster.extent_m <= longest_m;
   }
 
-  std::optional<Cluster> find_in(const ObstacleReturns& returns) const {
-    ObstacleReturns near = select_near(returns);
-    vote(near);
+  std::optional<Cluster> find_in(const ObstacleReturns& near) const {
     std::optional<Cluster> best;
     double best_miss_m = kPhases.max_miss_m;
     for (Cluster& cluster : find_clusters(near)) {
@@ -153,20 +188,28 @@ class TrackEnd {
     return near;
   }
 
-  void vote(ObstacleReturns& returns) const {
-    std::vector<std::size_t> clear(returns.points.size(), 0), hits(returns.points.size(), 0);
-    for (const std::size_t scan : judges_) {
-      const auto space = returns_.free_space(scan);
-      if (!space->valid()) continue;
-      for (std::size_t i = 0; i < returns.points.size(); ++i) {
-        if (clear[i] >= kPhases.min_clear_scans) continue;
-        const FreeSpace::Seen state = space->judge(returns.points[i], kPhases.return_radius_m);
-        if (state == FreeSpace::Seen::passed) ++clear[i];
-        if (state != FreeSpace::Seen::hit) continue;
-        clear[i] = 0;
-        ++hits[i];
-      }
+  void judge(std::vector<NearReturns>& near) const {
+    for (NearReturns& scan : near) {
+      scan.clear.resize(scan.returns.points.size(), 0);
+      scan.hits.resize(scan.returns.points.size(), 0);
     }
+    for (const std::size_t number : judges_) {
+      const auto space = returns_.free_space(number);
+      if (!space->valid()) continue;
+      for (auto& [scan, returns, clear, hits] : near)
+        for (std::size_t i = 0; i < returns.points.size(); ++i) {
+          if (clear[i] >= kPhases.min_clear_scans) continue;
+          const FreeSpace::Seen state = space->judge(returns.points[i], kPhases.return_radius_m);
+          if (state == FreeSpace::Seen::passed) ++clear[i];
+          if (state != FreeSpace::Seen::hit) continue;
+          clear[i] = 0;
+          ++hits[i];
+        }
+    }
+  }
+
+  void vote(NearReturns& near) const {
+    auto& [scan, returns, clear, hits] = near;
     const bool slow = track_.velocity(index()).norm() < kPhases.max_stopping_speed_mps;
     for (std::size_t i = 0; i < returns.points.size(); ++i)
       returns.vote.push_back(clear[i] >= kPhases.min_clear_scans              ? VisibilityVote::moving

@@ -1,6 +1,8 @@
 #include "dvi/objects/completion/object_space.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
@@ -17,7 +19,7 @@ namespace dvi::objects {
 namespace {
 
 struct ObjectSpaceParams {
-  int min_passes = 2;  ///< consecutive scans that pass an empty voxel; rays pass glass and edges at times
+  std::ptrdiff_t min_passes = 2;  ///< consecutive scans that pass an empty voxel; rays pass glass and edges at times
   /// Share of the scans in which masks show an object in a voxel, among those in which images show the voxel, between the first
   /// and the last of them, and in all. Labels often begin and end while an object is visible.
   double min_inner_share = 0.6, min_object_share = 0.2;
@@ -45,13 +47,25 @@ Eigen::Vector3d center_of(const Eigen::Vector3i& index) {
 enum class VoxelState : std::uint8_t { free, object, background, unclear };
 
 struct VoxelObservation {
-  std::size_t scan;
+  std::uint32_t scan;
   VoxelState state;
 };
 
 struct CandidateVoxel {
   VoxelKey key;
   std::vector<VoxelObservation> observations;  // in order of time
+
+  // Adds an observation. Of consecutive scans that pass the voxel, only the first ones and the last one are kept: no more are
+  // needed to find the periods in which it is occupied.
+  void add(std::size_t scan, VoxelState state) {
+    const VoxelObservation added{static_cast<std::uint32_t>(scan), state};
+    const auto is_free = [](const VoxelObservation& observation) { return observation.state == VoxelState::free; };
+    if (is_free(added) && std::ssize(observations) >= kSpace.min_passes &&
+        std::all_of(observations.end() - kSpace.min_passes, observations.end(), is_free))
+      observations.back() = added;
+    else
+      observations.push_back(added);
+  }
 };
 
 // A voxel with returns of one scan, and what masks show of it.
@@ -114,7 +128,7 @@ class Observations {
   void add(std::size_t scan, const ScanVotes& hit) {
     if (!returns_.is_trusted(scan)) return;
     for (const auto& [key, vote] : hit)
-      if (CandidateVoxel* const voxel = find(key)) voxel->observations.push_back({scan, to_state(vote)});
+      if (CandidateVoxel* const voxel = find(key)) voxel->add(scan, to_state(vote));
     const auto space = returns_.free_space(scan);
     if (!space->valid()) return;
     const std::vector<std::size_t> near = find_near(scan);
@@ -123,7 +137,7 @@ class Observations {
       if (!voxel.observations.empty() && voxel.observations.back().scan == scan) return;  // hit
       const Eigen::Vector3d center = center_of(index_of(voxel.key));
       if (returns_.can_observe(scan, center.head<2>()) && space->judge(center, kJudgedRadiusM) == FreeSpace::Seen::passed)
-        voxel.observations.push_back({scan, VoxelState::free});
+        voxel.add(scan, VoxelState::free);
     });
   }
 
@@ -184,7 +198,7 @@ class Periods {
       }
       std::size_t end = i;
       while (end < all.size() && all[end].state == VoxelState::free) ++end;
-      const bool is_clear = static_cast<int>(end - i) >= kSpace.min_passes || end == all.size() || i == 0;
+      const bool is_clear = static_cast<std::ptrdiff_t>(end - i) >= kSpace.min_passes || end == all.size() || i == 0;
       if (is_clear) {
         finish(returns_.time_ns(all[i].scan));
         begin(returns_.time_ns(all[end - 1].scan));
