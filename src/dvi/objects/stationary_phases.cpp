@@ -65,24 +65,29 @@ class TrackEnd {
     std::vector<std::size_t> clear, hits;  // per return: number of judges
   };
 
-  // Looks for the object in all scans that may show it, until one of them does, and then again from there. Each judge judges
-  // these scans together, because there may be no memory for all judges.
   void add_observations() {
     if (judges_.size() < kPhases.min_clear_scans) return;
-    std::size_t count = returns_.scans();
-    for (std::optional<Cluster> found = Cluster(); found; count = 1) {
-      std::vector<NearReturns> near = collect_near(count);
-      judge(near);
-      found = find_first(near);
-      // After an observation, the next scan usually has another one; otherwise, those after it are searched, too.
-      if (!found && count == 1) {
-        near = collect_near(returns_.scans());
-        judge(near);
-        found = find_first(near);
-      }
-      if (!found) return;
+    const std::size_t all = returns_.scans();
+    for (std::optional<Cluster> found = find_next(all); found;) {
       track_.observations.insert(is_forward() ? track_.observations.end() : track_.observations.begin(), std::move(*found));
+      found = find_next(1);  // the next scan mostly shows the object, too
+      if (!found) found = find_next(all);
     }
+  }
+
+  // Returns the next observation in at most `count` scans with returns. Each judge judges these scans together, because there
+  // may be no memory for all judges.
+  std::optional<Cluster> find_next(std::size_t count) const {
+    std::vector<NearReturns> near = collect_near(count);
+    judge(near);
+    for (NearReturns& scan : near) {
+      vote(scan);
+      if (std::optional<Cluster> cluster = find_in(scan.returns)) {
+        cluster->scan = scan.scan;
+        return cluster;
+      }
+    }
+    return std::nullopt;
   }
 
   // Collects the returns of at most `count` scans with returns after the last observation, up to the largest gap.
@@ -96,17 +101,6 @@ class TrackEnd {
       out.push_back({*next, select_near(*returns), {}, {}});
     }
     return out;
-  }
-
-  std::optional<Cluster> find_first(std::vector<NearReturns>& near) const {
-    for (NearReturns& scan : near) {
-      vote(scan);
-      if (std::optional<Cluster> cluster = find_in(scan.returns)) {
-        cluster->scan = scan.scan;
-        return cluster;
-      }
-    }
-    return std::nullopt;
   }
 
   bool is_stationary_phase(std::size_t added) const {
