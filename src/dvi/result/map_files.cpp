@@ -66,6 +66,7 @@ using Colors = ScratchVector<cv::Vec3b>;
 Colors sample_colors(const map::StaticMap& map, const Views& views) {
   Colors out(map.points.size(), kUncolored, map.scratch());
   const std::size_t last = views.of_sequence(0).second;
+  if (last == 0) return out;
   const std::size_t step = std::max<std::size_t>(1, last / kColors.max_frames);
   struct ColoredPoints {
     std::vector<map::VisiblePoint> points;
