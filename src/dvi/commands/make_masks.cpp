@@ -12,6 +12,7 @@
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/inputs/collect_evidence.h"
+#include "dvi/inputs/memory_plan.h"
 #include "dvi/inputs/rig.h"
 #include "dvi/labels/mask_folder.h"
 #include "dvi/labels/write_labels.h"
@@ -96,6 +97,7 @@ int dilation_px(const inputs::Recording& open, const objects::MaskOptions& optio
 
 // Opens the drive once for each of its cameras whose masks are wanted.
 inputs::Recordings open_cameras(const job::Job& job, Progress& progress) {
+  inputs::bound_memory(job.memory_mb, {});
   inputs::Recordings drives{inputs::open_recording(job.target, job.read, inputs::MaskNeed::required, progress)};
   if (!job::has_other_cameras(job.read.camera)) return drives;
   drives.front().is_cleaned = true;

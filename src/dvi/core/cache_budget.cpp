@@ -5,13 +5,15 @@
 #include <algorithm>
 #include <iterator>
 
+#include "dvi/core/process_memory.h"
+
 namespace dvi {
 namespace {
 
 constexpr std::size_t kDefaultBound = std::size_t{1000} << 20;
-// Dropped bytes after which the heap is trimmed, at most, and relative to the bound. A trim costs about as much time as making
-// them.
-constexpr std::size_t kMaxTrimAfter = std::size_t{256} << 20, kTrimAfterBounds = 4;
+// Dropped bytes after which the heap is trimmed: at most, relative to the bound, and relative to it while the process takes too
+// much memory. A trim costs about as much time as making them.
+constexpr std::size_t kMaxTrimAfter = std::size_t{256} << 20, kTrimAfterBounds = 4, kTrimAfterBoundsAboveLimit = 1;
 
 }  // namespace
 
@@ -27,9 +29,15 @@ void CacheBudget::destroy(Items dropped) {
   for (const auto& [rank, item] : dropped) bytes += item.size;
   dropped.clear();
   freed_ += bytes;
-  if (bytes == 0 || freed_ < std::min(kMaxTrimAfter, kTrimAfterBounds * bound())) return;
+  if (bytes == 0 || !is_trim_due()) return;
   freed_ = 0;
   malloc_trim(0);
+}
+
+bool CacheBudget::is_trim_due() const {
+  const std::size_t freed = freed_, in_memory = bound();
+  if (freed >= std::min(kMaxTrimAfter, kTrimAfterBounds * in_memory)) return true;
+  return trimmed_above_ > 0 && freed >= kTrimAfterBoundsAboveLimit * in_memory && resident_memory() > trimmed_above_;
 }
 
 CacheBudget::Items::iterator CacheBudget::drop(Items::iterator item, Items& dropped) {

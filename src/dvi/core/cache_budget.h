@@ -50,6 +50,9 @@ class CacheBudget {
 
   /// Sets the bound in bytes, and drops items that exceed it.
   void set_bound(std::size_t bound);
+  /// Sets the memory of the process, in bytes, above which the heap is trimmed more often; 0: none. Dropped items leave holes
+  /// in the heap, which is trimmed from time to time.
+  void set_trimmed_above(std::size_t resident) { trimmed_above_ = resident; }
   /// Returns the bound, including a loan.
   std::size_t bound() const;
   std::size_t used() const;
@@ -92,9 +95,11 @@ class CacheBudget {
   Items::iterator drop(Items::iterator item, Items& dropped);
   void drop_beyond_bound(Items& dropped);
   void destroy(Items dropped);
+  bool is_trim_due() const;
 
   mutable std::mutex mutex_;
   std::size_t bound_, loan_ = 0, used_ = 0;
+  std::atomic<std::size_t> trimmed_above_ = 0;
   std::atomic<std::size_t> freed_ = 0;  // bytes dropped since the heap was trimmed
   double dropped_rank_ = 0;             // the highest rank of dropped items
   Key newest_;

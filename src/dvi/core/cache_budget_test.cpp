@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "dvi/core/lazy.h"
+#include "dvi/core/process_memory.h"
 #include "dvi/core/random.h"
 #include "dvi/core/threads.h"
 
@@ -114,6 +115,27 @@ TEST(CacheBudget, DropsItemsIfTheBoundDecreases) {
   EXPECT_EQ(budget.used(), 20U);
   EXPECT_NE(budget.find({&a, 9}), nullptr);
 }
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // these keep freed memory
+TEST(CacheBudget, ReturnsHolesOfTheHeapToTheSystemAboveALimit) {
+  const int a = 0;
+  const std::size_t bytes = std::size_t{64} << 10, count = 3000;
+  const auto measure_returned = [&](std::size_t limit) {
+    CacheBudget budget(count * bytes);
+    budget.set_trimmed_above(limit);
+    std::vector<CacheBudget::Value> between;  // these prevent that the end of the heap is free
+    for (std::size_t i = 0; i < count; ++i) {
+      budget.keep({&a, i}, std::make_shared<const std::vector<char>>(bytes, 'x'), bytes, 1);
+      between.push_back(number(0));
+    }
+    const std::size_t before = resident_memory();
+    budget.set_bound(count / 3 * bytes);
+    return static_cast<double>(before) - static_cast<double>(resident_memory());
+  };
+  EXPECT_GT(measure_returned(1), 0.5 * static_cast<double>(count * bytes));
+  EXPECT_LT(measure_returned(std::size_t{1} << 40), 0.1 * static_cast<double>(count * bytes)) << "trimmed below the limit";
+}
+#endif
 
 TEST(CacheBudget, IsSharedByAllSequencesOfTheProcess) {
   const std::size_t before = CacheBudget::of_process()->used();

@@ -85,9 +85,8 @@ class Progress {
   std::vector<StageTime> times_;
 };
 
-/// Return the CPU time of this process and of this thread so far in seconds, and the peak resident memory in bytes.
+/// Return the CPU time of this process and of this thread so far in seconds.
 double process_cpu_seconds();
 double thread_cpu_seconds();
-std::size_t peak_memory();
 
 }  // namespace dvi

@@ -44,6 +44,7 @@ std::optional<std::string> bound_memory(int memory_mb, cv::Size image) {
   const MemoryPlan plan = plan_memory(memory_mb, image);
   Scratch::of_process()->set_bound(plan.map_bytes);
   CacheBudget::of_process()->set_bound(plan.cache_bytes);
+  CacheBudget::of_process()->set_trimmed_above(static_cast<std::size_t>(memory_mb) * kMegabyte);
   WorkMemory::of_process()->set_bound(plan.work_bytes);
   if (memory_mb >= plan.needed_mb) return std::nullopt;
   return fmt::format(

@@ -36,9 +36,8 @@ double estimate_height(const Track& track) {
   std::vector<std::pair<std::size_t, double>> heights;  // number of returns, meters
   for (const Cluster& o : track.observations) {
     double high = 0;
-    for (std::size_t i = 0; i < o.points.size(); ++i)
-      high = std::max(high, o.points[i].z() - o.ground[i] + 0.5 * o.ray_spacing_m[i]);
-    heights.emplace_back(o.points.size(), high);
+    for (const ClusterReturn& r : o.returns) high = std::max(high, r.point.z() - r.ground + 0.5 * r.ray_spacing_m);
+    heights.emplace_back(o.returns.size(), high);
   }
   std::sort(heights.rbegin(), heights.rend());
   std::vector<double> best;
@@ -104,8 +103,9 @@ class MovingBox {
 
   static Eigen::Vector2d measure_size(const Cluster& cluster, const Eigen::Vector2d& heading) {
     Eigen::Array2d low = Eigen::Array2d::Constant(1e9), high = -low;
-    for (const Eigen::Vector3d& x : cluster.points) {
-      const Eigen::Array2d at(x.head<2>().dot(heading), x.y() * heading.x() - x.x() * heading.y());
+    for (const ClusterReturn& r : cluster.returns) {
+      const Eigen::Vector2d x = r.point.head<2>();
+      const Eigen::Array2d at(x.dot(heading), x.y() * heading.x() - x.x() * heading.y());
       low = low.min(at);
       high = high.max(at);
     }
@@ -129,7 +129,8 @@ std::map<std::size_t, Cluster> find_in_boxes(const std::vector<MovingBox>& boxes
     Cluster cluster;
     for (std::size_t i = 0; i < returns.points.size(); ++i)
       if (boxes[k].contains(*nearest, returns, i)) add(cluster, returns, i);
-    if (cluster.points.size() < kBoxReturns.min_returns) continue;
+    if (cluster.returns.size() < kBoxReturns.min_returns) continue;
+    cluster.returns.shrink_to_fit();  // all scans of the drive are kept
     measure(cluster);
     found.emplace(k, std::move(cluster));
   }
@@ -144,8 +145,10 @@ void estimate_extent(Track& track) {
   track.size_m = box.size(track);
 }
 
-std::vector<Track> collect_box_returns(const std::vector<Track>& tracks, const MovingReturns& returns) {
+std::vector<Track> collect_box_returns(std::vector<Track> tracks, const MovingReturns& returns) {
   const std::vector<MovingBox> boxes(tracks.begin(), tracks.end());
+  for (Track& track : tracks)  // the boxes need the motion only
+    for (Cluster& observation : track.observations) observation.returns = {};
   std::vector<Track> out(tracks.size());
   make_and_use(
       returns.scans(), [&](std::size_t i) { return find_in_boxes(boxes, *returns.obstacles(i)); },

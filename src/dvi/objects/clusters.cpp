@@ -49,23 +49,21 @@ void group_squares(std::map<ClusterSquare, int>& squares) {
 }  // namespace
 
 void add(Cluster& cluster, const ObstacleReturns& returns, std::size_t i) {
-  cluster.points.push_back(returns.points[i]);
-  cluster.time_ns.push_back(returns.time_ns[i]);
-  cluster.ground.push_back(returns.ground[i]);
-  cluster.ray_spacing_m.push_back(returns.ray_spacing_m[i]);
+  cluster.returns.push_back({returns.points[i], returns.time_ns[i], returns.ground[i], returns.ray_spacing_m[i]});
 }
 
 void measure(Cluster& cluster) {
-  Eigen::Vector2d low = cluster.points.front().head<2>(), high = low;
+  const ClusterReturn first = cluster.returns.front();
+  Eigen::Vector2d low = first.point.head<2>(), high = low;
   std::int64_t time = 0;
-  for (std::size_t i = 0; i < cluster.points.size(); ++i) {
-    low = low.cwiseMin(cluster.points[i].head<2>());
-    high = high.cwiseMax(cluster.points[i].head<2>());
-    time += cluster.time_ns[i] - cluster.time_ns.front();
+  for (const ClusterReturn& r : cluster.returns) {
+    low = low.cwiseMin(r.point.head<2>());
+    high = high.cwiseMax(r.point.head<2>());
+    time += r.time_ns - first.time_ns;
   }
   cluster.center = 0.5 * (low + high);
   cluster.extent_m = (high - low).maxCoeff();
-  cluster.mean_time_ns = cluster.time_ns.front() + time / static_cast<std::int64_t>(cluster.points.size());
+  cluster.mean_time_ns = first.time_ns + time / static_cast<std::int64_t>(cluster.returns.size());
 }
 
 std::vector<int> group_by_distance(const std::vector<Eigen::Vector3d>& points, double square_m) {
@@ -125,7 +123,7 @@ std::vector<Cluster> find_labeled_clusters(const ObstacleReturns& returns) {
     }
     for (auto& [group, entry] : found) {
       auto& [cluster, classes] = entry;
-      if (cluster.points.size() < kClustering.min_moving_returns) continue;
+      if (cluster.returns.size() < kClustering.min_moving_returns) continue;
       cluster.moving_share = 1;
       cluster.label_class = std::max_element(classes.begin(), classes.end(), [](const auto& a, const auto& b) {
                               return a.second < b.second;

@@ -2,19 +2,17 @@
 
 #include <vector>
 
+#include "dvi/objects/cluster_returns.h"
 #include "dvi/objects/moving_returns.h"
 
 namespace dvi::objects {
 
 /// The moving returns of one scan that are close to each other: a candidate for one object.
 struct Cluster {
-  std::vector<Eigen::Vector3d> points;  ///< meters, world axes; with the returns between them whose vote is unknown
-  std::vector<std::int64_t> time_ns;    ///< per point
-  std::vector<double> ground;           ///< per point: height of the ground below, meters, world axes
-  std::vector<double> ray_spacing_m;    ///< per point: distance to the next ray above
-  std::size_t scan = 0;                 ///< index of the scan in the drive
-  Eigen::Vector2d center;               ///< center of the bounding rectangle, world axes
-  double extent_m = 0;                  ///< longer side of the bounding rectangle
+  ClusterReturns returns;  ///< with those between them whose vote is unknown
+  std::size_t scan = 0;    ///< index of the scan in the drive
+  Eigen::Vector2d center;  ///< center of the bounding rectangle, world axes
+  double extent_m = 0;     ///< longer side of the bounding rectangle
   std::int64_t mean_time_ns = 0;
   double moving_share = 0;  ///< share of moving returns among those whose vote is known
   int label_class = 0;      ///< the most frequent class of labeled returns (point_labels.h); 0 without labels
@@ -23,7 +21,7 @@ struct Cluster {
 /// Adds return `i` to the cluster.
 void add(Cluster& cluster, const ObstacleReturns& returns, std::size_t i);
 
-/// Sets center, extent, and mean time from the points. The cluster must have at least one.
+/// Sets center, extent, and mean time from the returns. The cluster must have at least one.
 void measure(Cluster& cluster);
 
 /// Groups points in squares of an edge of `square_m` that touch, seen from above. Returns the group of each point.

@@ -29,8 +29,8 @@ std::vector<std::set<GroundSquare>> find_explained_squares(std::size_t scans, co
   std::vector<std::set<GroundSquare>> out(scans);
   for (const Track& track : tracks)
     for (const Cluster& cluster : track.observations)
-      for (const Eigen::Vector3d& x : cluster.points) {
-        const GroundSquare at = to_ground_square(x);
+      for (const ClusterReturn& r : cluster.returns) {
+        const GroundSquare at = to_ground_square(r.point);
         for (int dy = -1; dy <= 1; ++dy)
           for (int dx = -1; dx <= 1; ++dx) out[cluster.scan].insert({at.first + dx, at.second + dy});
       }

@@ -103,12 +103,19 @@ void warn_of_all_removed(const CameraEvidence& evidence, Progress& progress) {
 }
 
 // Labels that are not a source of the masks are not evidence, such as those of a drive whose mask files are used instead.
+SharedLabels select_evidence(const CameraEvidence& camera, const SharedLabels& labels) {
+  const auto is_other = [&](const Label& label) { return !camera.has(label.source); };
+  const auto has_others = [&](const std::vector<Label>& frame) { return std::any_of(frame.begin(), frame.end(), is_other); };
+  if (std::none_of(labels->begin(), labels->end(), has_others)) return labels;
+  FrameLabels out = *labels;
+  for (std::vector<Label>& frame : out) std::erase_if(frame, is_other);
+  return shared(std::move(out));
+}
+
 CameraMaskEvidence collect_mask_evidence(const CameraEvidence& camera, const SharedLabels& labels,
                                          const RemovalOptions& options) {
-  FrameLabels removed = *labels;
-  for (std::vector<Label>& frame : removed) std::erase_if(frame, [&](const Label& label) { return !camera.has(label.source); });
   return {camera, draw_object_masks(camera, labels, options),
-          draw_object_masks(camera, shared(select_unboxed(*labels)), options), shared(std::move(removed))};
+          draw_object_masks(camera, shared(select_unboxed(*labels)), options), select_evidence(camera, labels)};
 }
 
 bool removes_anything(const CameraMaskEvidence& camera) {
@@ -235,7 +242,7 @@ int add_scan_objects(const Evidence& evidence, std::size_t own, std::vector<Scan
 
 // The tracks of the target's drive, with the number of the first one.
 struct NumberedTracks {
-  const std::vector<Track>* tracks = nullptr;  // null: they are not removed
+  SharedTracks tracks;  // null: they are not removed
   int first = 0;
 };
 
@@ -272,8 +279,8 @@ Objects search(const SearchInput& input, MovingObjects& moving, std::map<std::si
     const int first_found = add_scan_objects(evidence, i, found, objects);
     if (!target || i > 0) continue;
     target->completed = std::move(completed);
-    if (evidence[i].has(MaskSource::points)) target->labeled = {&tracks_of.at(i).tracks, first_labeled};
-    if (evidence[i].has(MaskSource::found)) target->moving = {&moving.of_drive(i).tracks, first_found};
+    if (evidence[i].has(MaskSource::points)) target->labeled = {tracks_of.at(i).tracks, first_labeled};
+    if (evidence[i].has(MaskSource::found)) target->moving = {moving.of_drive(i).tracks, first_found};
   }
   return objects;
 }
@@ -284,7 +291,7 @@ void add_tracks(const NumberedTracks& numbered, ScannedObjects& out) {
   for (std::size_t k = 0; k < numbered.tracks->size(); ++k) {
     const Track& track = (*numbered.tracks)[k];
     const int number = numbered.first + static_cast<int>(k);
-    out.objects[number].tracks = {track};
+    out.objects[number].tracks = {share_track(numbered.tracks, k)};
     const std::string type = label_type(track);
     out.types.try_emplace(number, type.empty() ? type_by_size(track.size_m) : type);
   }

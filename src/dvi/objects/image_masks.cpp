@@ -48,7 +48,7 @@ struct PosedFrames {
 }  // namespace
 
 FrameLabels extend_in_images(const CameraRef& ref, const Lazy<cv::Mat1b>& masks, const SharedLabels& labels,
-                             const std::vector<Track>& tracks) {
+                             std::span<const Track> tracks) {
   const Drive& drive = ref.camera().drive;
   const Trajectory& world_from_lidar = ref.camera().world_from_lidar;
   const auto ground = ref.ground();

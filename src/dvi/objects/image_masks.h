@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstddef>
-#include <vector>
+#include <span>
 
 #include "dvi/core/progress.h"
 #include "dvi/drive/label.h"
@@ -22,7 +22,7 @@ struct CameraRef {
 /// Continues the labels of tracks that a drive's scans show (draw_outlines(), from which `masks` are drawn) in the images of
 /// the camera (image_tracking.h). Masks and labels are per frame. The drive must have a ground.
 FrameLabels extend_in_images(const CameraRef& ref, const Lazy<cv::Mat1b>& masks, const SharedLabels& labels,
-                             const std::vector<Track>& tracks);
+                             std::span<const Track> tracks);
 
 /// The refinements of masks by a comparison of images.
 struct MaskRefinement {

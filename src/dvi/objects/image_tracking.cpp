@@ -138,7 +138,7 @@ Eigen::Vector3d predict_center(const Track& track, const ground::ScanGround& gro
   const Track::State state = track.state(nearest);
   const Cluster& cluster = track.observations[nearest];
   const Eigen::Vector2d at = state.position + state.velocity * seconds_between(cluster.mean_time_ns, time_ns);
-  const double height = ground.height(at).value_or(median(cluster.ground));
+  const double height = ground.height(at).value_or(cluster.returns.median_ground());
   return {at.x(), at.y(), height + 0.5 * track.height_m};
 }
 
@@ -296,7 +296,7 @@ FrameLabels track_object(const FrameLabels& labels, const Track& track, int numb
 
 }  // namespace
 
-Lazy<cv::Mat1b> mask_possible_positions(const Views& views, const std::vector<Track>& tracks,
+Lazy<cv::Mat1b> mask_possible_positions(const Views& views, std::span<const Track> tracks,
                                         const std::shared_ptr<const ground::ScanGround>& ground) {
   return {views.size(), [=](std::size_t i) {
             cv::Mat1b mask = views.masks[i]->clone();
@@ -315,7 +315,7 @@ Lazy<cv::Mat1b> mask_possible_positions(const Views& views, const std::vector<Tr
           }};
 }
 
-FrameLabels track_in_images(const FrameLabels& labels, const std::vector<Track>& tracks, const BackgroundComparison& comparison,
+FrameLabels track_in_images(const FrameLabels& labels, std::span<const Track> tracks, const BackgroundComparison& comparison,
                             const Trajectory& world_from_lidar) {
   std::vector<FrameLabels> of_tracks(tracks.size());
   parallel_for(tracks.size(), [&](std::size_t k) {

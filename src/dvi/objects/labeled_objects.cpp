@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <span>
 #include <string>
 
 #include "dvi/objects/draw_masks.h"
@@ -13,7 +14,7 @@ namespace dvi::objects {
 namespace {
 
 // Sets source and class of the labels of tracks.
-void describe_labels(const std::vector<Track>& tracks, FrameLabels& labels) {
+void describe_labels(std::span<const Track> tracks, FrameLabels& labels) {
   set_source(labels, MaskSource::points);
   std::vector<std::string> types;
   std::transform(tracks.begin(), tracks.end(), std::back_inserter(types), label_type);
@@ -22,7 +23,7 @@ void describe_labels(const std::vector<Track>& tracks, FrameLabels& labels) {
       if (const std::string& type = types[static_cast<std::size_t>(label.track)]; !type.empty()) label.type = type;
 }
 
-FrameLabels draw_tracks(const std::vector<Track>& tracks, const CameraEvidence& camera, const RemovalOptions& options) {
+FrameLabels draw_tracks(std::span<const Track> tracks, const CameraEvidence& camera, const RemovalOptions& options) {
   FrameLabels labels = draw_outlines(tracks, camera.drive, camera.world_from_lidar, options.masks.footprint_margin_m);
   describe_labels(tracks, labels);
   return labels;
@@ -33,7 +34,7 @@ FrameLabels draw_tracks(const std::vector<Track>& tracks, const CameraEvidence& 
 std::vector<ObjectMotion> LabeledTracks::motions() const {
   const MotionState others = moving == 0 ? MotionState::unknown : MotionState::stationary;
   std::vector<ObjectMotion> out;
-  for (std::size_t k = 0; k < tracks.size(); ++k)
+  for (std::size_t k = 0; k < tracks->size(); ++k)
     out.push_back({static_cast<int>(k), k < moving ? MotionState::moving : others});
   return out;
 }
@@ -53,24 +54,22 @@ LabeledTracks find_labeled_tracks(const CameraRef& own, const RemovalOptions& op
   progress.end();
   if (tracks.empty()) progress.warn(evidence.name + ": its labels of points show no object to remove");
   const auto others = std::stable_partition(tracks.begin(), tracks.end(), is_moving_labeled);
-  out.tracks.assign(std::make_move_iterator(tracks.begin()), std::make_move_iterator(others));
-  find_upper_edges(evidence, returns, out.tracks);
-  out.moving = out.tracks.size();
-  std::move(others, tracks.end(), std::back_inserter(out.tracks));
+  out.moving = static_cast<std::size_t>(others - tracks.begin());
+  find_upper_edges(evidence, returns, std::span(tracks).first(out.moving));
+  out.tracks = share_tracks(std::move(tracks));
   return out;
 }
 
 FrameLabels draw_labeled_tracks(const CameraRef& ref, const LabeledTracks& objects, const RemovalOptions& options) {
   const CameraEvidence camera = ref.camera().restricted_to({MaskSource::points});
-  const auto others = objects.tracks.begin() + static_cast<std::ptrdiff_t>(objects.moving);
-  const std::vector<Track> moving(objects.tracks.begin(), others);
+  const std::span<const Track> tracks = *objects.tracks, moving = tracks.first(objects.moving);
   FrameLabels labels = draw_tracks(moving, camera, options);
   if (!moving.empty()) {
     const SharedLabels outlines = shared(std::move(labels));
     labels = extend_in_images(ref, draw_plain_masks(camera, outlines, options), outlines, moving);
     describe_labels(moving, labels);
   }
-  append(labels, draw_tracks({others, objects.tracks.end()}, camera, options), static_cast<int>(objects.moving));
+  append(labels, draw_tracks(tracks.subspan(objects.moving), camera, options), static_cast<int>(objects.moving));
   return labels;
 }
 

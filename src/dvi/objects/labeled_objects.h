@@ -12,8 +12,8 @@ namespace dvi::objects {
 
 /// The objects that labels of points show in one drive.
 struct LabeledTracks {
-  std::vector<Track> tracks;  ///< those of moving classes first
-  std::size_t moving = 0;     ///< their number
+  SharedTracks tracks = share_tracks(std::vector<Track>());  ///< those of moving classes first
+  std::size_t moving = 0;                                    ///< their number
 
   /// Returns the motion of all objects, by index. It is unknown if no object moves: such labels may not distinguish moving from
   /// stationary objects.

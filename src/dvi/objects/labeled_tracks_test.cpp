@@ -31,11 +31,11 @@ ObstacleReturns make_returns(const std::vector<std::pair<double, std::uint32_t>>
 TEST(LabeledClusters, AreReturnsOfOneObject) {
   const std::vector<Cluster> near = find_labeled_clusters(make_returns({{10, 252}, {10.5, 252}, {20, 252}, {11, 0}}));
   ASSERT_EQ(near.size(), 2U) << "0 is not removed";
-  EXPECT_EQ(near[0].points.size(), 10U);
+  EXPECT_EQ(near[0].returns.size(), 10U);
   EXPECT_EQ(near[0].label_class, 252);
   const std::vector<Cluster> kinds = find_labeled_clusters(make_returns({{10, 10}, {10.2, 252}, {10.2, 252}, {10.4, 30}}));
   ASSERT_EQ(kinds.size(), 2U) << "a person beside a car";
-  EXPECT_EQ(kinds[0].points.size(), 15U) << "a car of which a part is labeled as moving";
+  EXPECT_EQ(kinds[0].returns.size(), 15U) << "a car of which a part is labeled as moving";
   EXPECT_EQ(kinds[0].label_class, 252);
   EXPECT_EQ(find_labeled_clusters(make_returns({{10, 1U << 16U | 10U}, {10.2, 2U << 16U | 10U}})).size(), 2U) << "instances";
 }

@@ -17,25 +17,22 @@ struct MergeParams {
 };
 constexpr MergeParams kMerging{};
 
-using Return = std::tuple<std::int64_t, double, double, double>;
+using ReturnKey = std::tuple<std::int64_t, double, double, double>;
 
-Return to_return(const Cluster& cluster, std::size_t i) {
-  const Eigen::Vector3d& x = cluster.points[i];
-  return {cluster.time_ns[i], x.x(), x.y(), x.z()};
-}
+ReturnKey to_key(const ClusterReturn& r) { return {r.time_ns, r.point.x(), r.point.y(), r.point.z()}; }
 
-std::set<Return> to_returns(const Cluster& cluster) {
-  std::set<Return> out;
-  for (std::size_t i = 0; i < cluster.points.size(); ++i) out.insert(to_return(cluster, i));
+std::set<ReturnKey> to_keys(const ClusterReturns& returns) {
+  std::set<ReturnKey> out;
+  for (const ClusterReturn& r : returns) out.insert(to_key(r));
   return out;
 }
 
 bool has_common_returns(const Cluster& a, const Cluster& b) {
-  const std::set<Return> known = to_returns(a);
-  std::size_t shared = 0;
-  for (std::size_t i = 0; i < b.points.size(); ++i) shared += known.count(to_return(b, i));
+  const std::set<ReturnKey> known = to_keys(a.returns);
+  const auto shared =
+      std::count_if(b.returns.begin(), b.returns.end(), [&](const ClusterReturn& r) { return known.contains(to_key(r)); });
   return static_cast<double>(shared) >
-         kMerging.min_shared_returns * static_cast<double>(std::min(a.points.size(), b.points.size()));
+         kMerging.min_shared_returns * static_cast<double>(std::min(a.returns.size(), b.returns.size()));
 }
 
 bool is_same_object(const Track& a, const Track& b) {
@@ -52,15 +49,10 @@ bool is_same_object(const Track& a, const Track& b) {
          static_cast<double>(shared) > kMerging.min_shared_scans * static_cast<double>(both);
 }
 
-void add_returns(Cluster more, Cluster& cluster) {
-  const std::set<Return> known = to_returns(cluster);
-  for (std::size_t i = 0; i < more.points.size(); ++i) {
-    if (known.contains(to_return(more, i))) continue;
-    cluster.points.push_back(more.points[i]);
-    cluster.time_ns.push_back(more.time_ns[i]);
-    cluster.ground.push_back(more.ground[i]);
-    cluster.ray_spacing_m.push_back(more.ray_spacing_m[i]);
-  }
+void add_returns(const ClusterReturns& more, Cluster& cluster) {
+  const std::set<ReturnKey> known = to_keys(cluster.returns);
+  for (const ClusterReturn& r : more)
+    if (!known.contains(to_key(r))) cluster.returns.push_back(r);
   measure(cluster);
 }
 
@@ -69,7 +61,7 @@ void merge(Track& track, Track more) {
   for (Cluster& cluster : track.observations) by_scan.emplace(cluster.scan, std::move(cluster));
   for (Cluster& cluster : more.observations) {
     const auto [entry, is_new] = by_scan.try_emplace(cluster.scan, cluster);
-    if (!is_new) add_returns(std::move(cluster), entry->second);
+    if (!is_new) add_returns(cluster.returns, entry->second);
   }
   track.height_m = std::max(track.height_m, more.height_m);
   track.size_m = track.size_m.cwiseMax(more.size_m);

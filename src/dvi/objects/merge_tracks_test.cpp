@@ -22,10 +22,8 @@ Track make_track(const SideOfCar& side) {
     cluster.scan = scan;
     for (double x = 0; x < 4; x += 0.125) {
       if (x < from || x >= to) continue;
-      cluster.points.emplace_back(x + 0.1 * speed_mps * static_cast<double>(scan), 1, 0.5);
-      cluster.time_ns.push_back(std::llround(1e8 * static_cast<double>(scan)));
-      cluster.ground.push_back(0);
-      cluster.ray_spacing_m.push_back(0.1);
+      const auto at = static_cast<double>(scan);
+      cluster.returns.push_back({{x + 0.1 * speed_mps * at, 1, 0.5}, std::llround(1e8 * at), 0, 0.1});
     }
     measure(cluster);
     track.observations.push_back(cluster);
@@ -41,10 +39,9 @@ TEST(MergeTracks, MergesTracksOfOneCarThatWasLostAndFoundAgain) {
   const std::vector<Cluster>& observations = tracks.front().observations;
   ASSERT_EQ(observations.size(), 20U);
   for (std::size_t scan = 0; scan < 20; ++scan) EXPECT_EQ(observations[scan].scan, scan);
-  EXPECT_EQ(observations[3].points.size(), 20U);
-  EXPECT_EQ(observations[8].points.size(), 32U) << "each return once";
-  EXPECT_EQ(observations[8].time_ns.size(), 32U);
-  EXPECT_NEAR(observations[8].extent_m, 3.875, 1e-9);
+  EXPECT_EQ(observations[3].returns.size(), 20U);
+  EXPECT_EQ(observations[8].returns.size(), 32U) << "each return once";
+  EXPECT_NEAR(observations[8].extent_m, 3.875, 1e-4);
   EXPECT_EQ(tracks.front().size_m.x(), 3);
 }
 

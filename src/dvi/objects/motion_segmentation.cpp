@@ -45,7 +45,7 @@ MotionSegmentation segment_motion(MovingReturns& returns, const Tick& tick) {
     for (Track& track : out.tracks) std::erase_if(track.observations, [&](const Cluster& o) { return o.scan == scan; });
   }
   std::erase_if(out.tracks, [](const Track& track) { return !is_moving_object(track); });
-  out.tracks = add_occluded_returns(collect_box_returns(out.tracks, returns), returns);
+  out.tracks = add_occluded_returns(collect_box_returns(std::move(out.tracks), returns), returns);
   return out;
 }
 
@@ -62,7 +62,7 @@ std::vector<Track> track_labeled(const MovingReturns& returns, const Tick& tick)
   });
   std::vector<Track> tracks = tracker.finish();
   for (Track& track : tracks) estimate_extent(track);
-  return add_occluded_returns(tracks, returns);
+  return add_occluded_returns(std::move(tracks), returns);
 }
 
 bool is_moving_labeled(const Track& track) {
@@ -80,7 +80,7 @@ std::string label_type(const Track& track) {
   return most == counts.end() ? "" : std::string(most->first);
 }
 
-FrameLabels draw_outlines(const std::vector<Track>& tracks, const Drive& drive, const Trajectory& world_from_lidar,
+FrameLabels draw_outlines(std::span<const Track> tracks, const Drive& drive, const Trajectory& world_from_lidar,
                           double footprint_m) {
   FrameLabels labels(drive.frames.size());
   parallel_for(drive.frames.size(), [&](std::size_t i) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,7 +35,7 @@ std::string label_type(const Track& track);
 /// Draws the outlines of tracks into the images of a drive, per frame. The track number of a label is the index in `tracks`.
 /// `footprint_m` is the width of the ground around an object that belongs to it, with wheels and the darkest part of the
 /// shadow.
-FrameLabels draw_outlines(const std::vector<Track>& tracks, const Drive& drive, const Trajectory& world_from_lidar,
+FrameLabels draw_outlines(std::span<const Track> tracks, const Drive& drive, const Trajectory& world_from_lidar,
                           double footprint_m);
 
 }  // namespace dvi::objects

@@ -46,13 +46,13 @@ const DriveMotion& MovingObjects::of_drive(std::size_t camera) {
 
 FrameLabels MovingObjects::draw_outlines_in(std::size_t camera) {
   const CameraEvidence& evidence = evidence_[camera];
-  return draw_outlines(of_drive(evidence_.own_camera(camera)).tracks, evidence.drive, evidence.world_from_lidar,
+  return draw_outlines(*of_drive(evidence_.own_camera(camera)).tracks, evidence.drive, evidence.world_from_lidar,
                        options_.masks.footprint_margin_m);
 }
 
 FrameLabels MovingObjects::find_in(std::size_t index) {
   const CameraEvidence camera = evidence_[index].restricted_to({MaskSource::found});
-  const std::vector<Track>& tracks = of_drive(evidence_.own_camera(index)).tracks;
+  const std::vector<Track>& tracks = *of_drive(evidence_.own_camera(index)).tracks;
   if (tracks.empty() && !camera.rig_of)
     progress_.warn(camera.name + ": its scans show no moving objects" +
                    (evidence_[index].sources.size() == 1 ? ", so nothing is removed" : ""));
@@ -67,7 +67,7 @@ FrameLabels MovingObjects::find_in(std::size_t index) {
 
 DriveMotion MovingObjects::find(std::size_t camera) {
   const CameraEvidence& evidence = evidence_[camera];
-  DriveMotion out{evidence_.ground(camera), nullptr, {}};
+  DriveMotion out{evidence_.ground(camera), nullptr, share_tracks(std::vector<Track>())};
   if (!out.ground) return out;
   out.returns = std::make_shared<MovingReturns>(
       evidence.drive, ScanPoses{evidence.world_from_lidar, options_.pose_error_m, evidence.untrusted_scans}, *out.ground);
@@ -75,8 +75,8 @@ DriveMotion MovingObjects::find(std::size_t camera) {
   MotionSegmentation segmentation = segment_motion(*out.returns, progress_.tick());
   progress_.end();
   warn_of_untrusted(evidence, segmentation.contradictory_scans, progress_);
-  out.tracks = std::move(segmentation.tracks);
-  find_upper_edges(evidence, *out.returns, out.tracks);
+  find_upper_edges(evidence, *out.returns, segmentation.tracks);
+  out.tracks = share_tracks(std::move(segmentation.tracks));
   return out;
 }
 

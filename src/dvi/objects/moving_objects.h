@@ -23,7 +23,7 @@ struct SearchInput {
 struct DriveMotion {
   std::shared_ptr<const ground::ScanGround> ground;  ///< null without poses or scans
   std::shared_ptr<MovingReturns> returns;            ///< null without ground
-  std::vector<Track> tracks;
+  SharedTracks tracks;                               ///< never null
 };
 
 /// The moving objects of all drives, each segmented at the first call.

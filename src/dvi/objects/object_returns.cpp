@@ -150,11 +150,11 @@ std::optional<int> ObjectReturns::find_object(const Eigen::Vector3d& world, cons
 ObjectReturns::ScanColumns ObjectReturns::fill_columns(std::size_t scan) const {
   ScanColumns columns;
   for (const auto& [number, object] : all_.objects) {
-    for (const Track& track : object.tracks)
-      for (const Cluster& observation : track.observations)
+    for (const SharedTrack& track : object.tracks)
+      for (const Cluster& observation : track->observations)
         if (observation.scan == scan)
-          for (std::size_t i = 0; i < observation.points.size(); ++i)
-            columns.add(number, observation.points[i], 0.5 * std::min(observation.ray_spacing_m[i], kObjectVoxelM));
+          for (const ClusterReturn& r : observation.returns)
+            columns.add(number, r.point, 0.5 * std::min(r.ray_spacing_m, kObjectVoxelM));
     for (const OccupiedVoxel& voxel : object.voxels)
       if (std::binary_search(voxel.returns.begin(), voxel.returns.end(), scan))
         columns.add(number, voxel.center(), 0.5 * kObjectVoxelM);
@@ -241,7 +241,7 @@ void ObjectReturns::add_outlined(const ObjectCamera& camera, std::size_t scan, c
 std::optional<Eigen::Vector2d> ObjectReturns::find_heading(int number, std::size_t scan) const {
   const auto object = all_.objects.find(number);
   if (object == all_.objects.end() || object->second.tracks.empty()) return std::nullopt;
-  const Track& track = object->second.tracks.front();
+  const Track& track = *object->second.tracks.front();
   return track.observations.empty() ? std::nullopt : track.heading(track.nearest(all_.returns->time_ns(scan)));
 }
 
@@ -249,10 +249,10 @@ std::optional<Eigen::Vector2d> ObjectReturns::find_heading(int number, std::size
 std::vector<std::pair<int, ObjectColumns>> ObjectReturns::predict_columns(std::size_t scan) const {
   std::vector<std::pair<int, ObjectColumns>> out;
   for (const auto& [number, object] : all_.objects)
-    for (const Track& track : object.tracks) {
+    for (const SharedTrack& track : object.tracks) {
       const auto observes = [scan](const Cluster& observation) { return observation.scan == scan; };
-      if (std::any_of(track.observations.begin(), track.observations.end(), observes)) continue;
-      if (ObjectColumns columns = objects::fill_columns(track, all_.returns->time_ns(scan)); !columns.empty())
+      if (std::any_of(track->observations.begin(), track->observations.end(), observes)) continue;
+      if (ObjectColumns columns = objects::fill_columns(*track, all_.returns->time_ns(scan)); !columns.empty())
         out.emplace_back(number, std::move(columns));
     }
   return out;

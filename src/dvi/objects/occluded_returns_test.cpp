@@ -56,10 +56,7 @@ Track track_of_panel(const Drive& drive) {
     cluster.scan = i;
     for (const Eigen::Vector3f& point : drive.scans[i]->points) {
       if (std::abs(point.x() - 15) > 0.1F) continue;
-      cluster.points.emplace_back(point.cast<double>());
-      cluster.time_ns.push_back(drive.scan_headers[i].time_ns);
-      cluster.ground.push_back(-1);
-      cluster.ray_spacing_m.push_back(0.1);
+      cluster.returns.push_back({point.cast<double>(), drive.scan_headers[i].time_ns, -1, 0.1});
     }
     measure(cluster);
     cluster.center = {15, center(static_cast<int>(i))};
@@ -71,8 +68,8 @@ Track track_of_panel(const Drive& drive) {
 // Meters to the left of the panel's middle at which there are returns, in tenths.
 std::vector<int> offsets(const Cluster& cluster) {
   std::vector<int> out;
-  for (const Eigen::Vector3d& x : cluster.points)
-    out.push_back(static_cast<int>(std::lround(10 * (x.y() - center(static_cast<int>(cluster.scan))))));
+  for (const ClusterReturn& r : cluster.returns)
+    out.push_back(static_cast<int>(std::lround(10 * (r.point.y() - center(static_cast<int>(cluster.scan))))));
   std::sort(out.begin(), out.end());
   out.erase(std::unique(out.begin(), out.end()), out.end());
   return out;
@@ -99,7 +96,7 @@ TEST(OccludedReturns, AreNotAddedWhereTheScanObservesTheObject) {
   const Track before = track_of_panel(drive);
   const Track after = add_occluded_returns({before}, returns).front();
   for (std::size_t i = 0; i < before.observations.size(); ++i)
-    EXPECT_EQ(after.observations[i].points.size(), before.observations[i].points.size()) << i;
+    EXPECT_EQ(after.observations[i].returns.size(), before.observations[i].returns.size()) << i;
 }
 
 }  // namespace

@@ -145,7 +145,7 @@ class TrackEnd {
     const Eigen::Vector2d expected =
         last().center + track_.velocity(index()) * seconds_between(last().mean_time_ns, cluster.mean_time_ns);
     double nearest_m = kPhases.max_miss_m;
-    for (const Eigen::Vector3d& x : cluster.points) nearest_m = std::min(nearest_m, (x.head<2>() - expected).norm());
+    for (const ClusterReturn& r : cluster.returns) nearest_m = std::min(nearest_m, (r.point.head<2>() - expected).norm());
     return nearest_m;
   }
 
@@ -214,9 +214,9 @@ class TrackEnd {
 
   // The object may hide its own position from all judges, as a vehicle does that drives straight ahead and stops.
   bool is_at_last_position(const Eigen::Vector3d& x) const {
-    return std::any_of(last().points.begin(), last().points.end(), [&](const Eigen::Vector3d& known) {
-      return (x.head<2>() - known.head<2>()).norm() < kPhases.max_step_m;
-    });
+    const ClusterReturns& known = last().returns;
+    return std::any_of(known.begin(), known.end(),
+                       [&](const ClusterReturn& r) { return (x.head<2>() - r.point.head<2>()).norm() < kPhases.max_step_m; });
   }
 
   Track& track_;

@@ -75,26 +75,26 @@ Body predict_body(const Track& track, std::int64_t time_ns, const Eigen::Vector2
   const double gap_s = std::abs(seconds_between(cluster.mean_time_ns, time_ns));
   const Eigen::Vector2d velocity = track.velocity(nearest);
   const std::optional<Eigen::Vector2d> heading = track.heading(nearest);
-  body.is_sparse = median(cluster.ray_spacing_m) > kOutline.max_ray_spacing_m;
+  body.is_sparse = cluster.returns.median_ray_spacing_m() > kOutline.max_ray_spacing_m;
   const bool use_box = heading && body.is_sparse;
   if (gap_s > (use_box ? kMaxExtrapolationS : kOutline.window_s)) return body;
   if (heading) body.heading = *heading;
   const bool is_person = track.size_m.maxCoeff() > 0 && track.size_m.maxCoeff() <= kOutline.max_person_m;
   const double top_m = top_of(cluster);
-  for (std::size_t k = 0; k < cluster.points.size(); ++k) {
-    Eigen::Vector3d x = cluster.points[k];
-    x.head<2>() += velocity * seconds_between(cluster.time_ns[k], time_ns);
+  for (const ClusterReturn& r : cluster.returns) {
+    Eigen::Vector3d x = r.point;
+    x.head<2>() += velocity * seconds_between(r.time_ns, time_ns);
     body.points.push_back(x);
-    body.feet.emplace_back(x.x(), x.y(), cluster.ground[k]);
+    body.feet.emplace_back(x.x(), x.y(), r.ground);
     // The object may continue up to the next ray, but not above its usual height; glass below a roof returns little, and so
     // does hair. A head ends half the ray spacing above its highest return on average, but a roof is flat. If rays are sparse,
     // the half is more than a head.
-    const double top = cluster.ground[k] + track.height_m + (is_person && !body.is_sparse ? 0.5 * cluster.ray_spacing_m[k] : 0);
-    const bool is_top = track.reaches_above_scans ? is_near_top(cluster, k, top_m) : x.z() > top - kOutline.window_height_m;
-    const double above = is_person || is_top ? top : std::min(x.z() + cluster.ray_spacing_m[k], top);
+    const double top = r.ground + track.height_m + (is_person && !body.is_sparse ? 0.5 * r.ray_spacing_m : 0);
+    const bool is_top = track.reaches_above_scans ? is_near_top(r, top_m) : x.z() > top - kOutline.window_height_m;
+    const double above = is_person || is_top ? top : std::min(x.z() + r.ray_spacing_m, top);
     if (above > x.z()) body.points.emplace_back(x.x(), x.y(), above);
   }
-  if (use_box) add_box(track, median(cluster.ground), sensor, body);
+  if (use_box) add_box(track, cluster.returns.median_ground(), sensor, body);
   body.points.insert(body.points.end(), body.feet.begin(), body.feet.end());
   return body;
 }
@@ -117,8 +117,8 @@ ScanEvidence rate_scan_evidence(const Track& track, std::int64_t time_ns) {
   if (track.observations.empty()) return ScanEvidence::none;
   const Cluster& nearest = track.observations[track.nearest(time_ns)];
   if (std::abs(seconds_between(nearest.mean_time_ns, time_ns)) > kOutline.window_s) return ScanEvidence::none;
-  const bool weak =
-      nearest.points.size() < kOutline.min_sparse_returns && median(nearest.ray_spacing_m) > kOutline.max_ray_spacing_m;
+  const bool weak = nearest.returns.size() < kOutline.min_sparse_returns &&
+                    nearest.returns.median_ray_spacing_m() > kOutline.max_ray_spacing_m;
   return weak ? ScanEvidence::weak : ScanEvidence::strong;
 }
 

@@ -93,14 +93,14 @@ std::size_t Track::nearest(std::int64_t time_ns) const {
 }
 
 double top_of(const Cluster& cluster) {
-  double top = cluster.points.front().z();
-  for (const Eigen::Vector3d& x : cluster.points) top = std::max(top, x.z());
+  double top = cluster.returns.front().point.z();
+  for (const ClusterReturn& r : cluster.returns) top = std::max(top, r.point.z());
   return top;
 }
 
-bool is_near_top(const Cluster& cluster, std::size_t point, double top_m) {
-  const double band_m = std::max(kTracking.top_band_m, kTracking.top_band_rays * cluster.ray_spacing_m[point]);
-  return cluster.points[point].z() >= top_m - band_m;
+bool is_near_top(const ClusterReturn& at, double top_m) {
+  const double band_m = std::max(kTracking.top_band_m, kTracking.top_band_rays * at.ray_spacing_m);
+  return at.point.z() >= top_m - band_m;
 }
 
 bool is_moving_object(const Track& track) {

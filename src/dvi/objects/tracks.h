@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "dvi/objects/clusters.h"
@@ -30,11 +32,20 @@ struct Track {
   std::size_t nearest(std::int64_t time_ns) const;
 };
 
+/// The tracks of a drive. Objects refer to them, because copies of their returns would take much memory.
+using SharedTracks = std::shared_ptr<const std::vector<Track>>;
+using SharedTrack = std::shared_ptr<const Track>;
+
+inline SharedTracks share_tracks(std::vector<Track> tracks) {
+  return std::make_shared<const std::vector<Track>>(std::move(tracks));
+}
+inline SharedTrack share_track(const SharedTracks& tracks, std::size_t k) { return {tracks, &(*tracks)[k]}; }
+
 /// Returns the height of the highest point of an observation, world axes. There must be at least one.
 double top_of(const Cluster& cluster);
 
-/// Returns whether a point of an observation is near its highest point, whose height is `top_m`.
-bool is_near_top(const Cluster& cluster, std::size_t point, double top_m);
+/// Returns whether a return of an observation is near its highest point, whose height is `top_m`.
+bool is_near_top(const ClusterReturn& at, double top_m);
 
 inline constexpr double kMaxExtrapolationS = 1;  ///< time for which the motion of an unobserved object is extrapolated
 

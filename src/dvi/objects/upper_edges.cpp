@@ -51,10 +51,10 @@ double height_at(int row) { return kUpperEdge.low_m + row * kUpperEdge.row_m; }
 
 // Returns whether the highest return of an observation is on the highest ray of its scan.
 bool is_cut(const Cluster& cluster, const FreeSpace& scan) {
-  const auto top = std::max_element(cluster.points.begin(), cluster.points.end(),
-                                    [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a.z() < b.z(); });
-  const double half_m = 0.5 * cluster.ray_spacing_m[static_cast<std::size_t>(top - cluster.points.begin())];
-  return scan.is_above(*top + Eigen::Vector3d(0, 0, half_m));
+  ClusterReturn top = cluster.returns.front();
+  for (const ClusterReturn& r : cluster.returns)
+    if (r.point.z() > top.point.z()) top = r;
+  return scan.is_above(top.point + Eigen::Vector3d(0, 0, 0.5 * top.ray_spacing_m));
 }
 
 // The image of the side of an object that faces the camera, as gray levels by height and position from left to right.
@@ -78,10 +78,10 @@ std::optional<ScannedTop> find_scanned_top(const Track& track, std::int64_t time
   const Eigen::Vector2d velocity = track.velocity(nearest);
   const double top_m = top_of(cluster);
   std::vector<std::pair<double, Eigen::Vector2d>> at;  // column of the image, and position
-  for (std::size_t i = 0; i < cluster.points.size(); ++i) {
-    if (!is_near_top(cluster, i, top_m)) continue;
-    Eigen::Vector3d x = cluster.points[i];
-    x.head<2>() += velocity * seconds_between(cluster.time_ns[i], time_ns);
+  for (const ClusterReturn& r : cluster.returns) {
+    if (!is_near_top(r, top_m)) continue;
+    Eigen::Vector3d x = r.point;
+    x.head<2>() += velocity * seconds_between(r.time_ns, time_ns);
     const Eigen::Vector3d in_camera = camera_from_world * x;
     if (!camera.in_front(in_camera)) return std::nullopt;
     at.emplace_back(camera.project(in_camera).x(), x.head<2>());
@@ -95,7 +95,7 @@ std::optional<ScannedTop> find_scanned_top(const Track& track, std::int64_t time
     out.left += at[i].second / static_cast<double>(count);
     out.right += at[at.size() - 1 - i].second / static_cast<double>(count);
   }
-  out.ground_m = median(cluster.ground);
+  out.ground_m = cluster.returns.median_ground();
   out.height_m = top_m - out.ground_m;
   return out;
 }
@@ -295,7 +295,7 @@ bool reaches_above(const Track& track, const MovingReturns& returns) {
 
 }  // namespace
 
-void find_upper_edges(const CameraEvidence& camera, const MovingReturns& returns, std::vector<Track>& tracks) {
+void find_upper_edges(const CameraEvidence& camera, const MovingReturns& returns, std::span<Track> tracks) {
   parallel_for(tracks.size(), [&](std::size_t k) {
     Track& track = tracks[k];
     if (!reaches_above(track, returns)) return;

@@ -10,6 +10,7 @@
 
 #include "dvi/core/frame_name.h"
 #include "dvi/core/json_text.h"
+#include "dvi/core/process_memory.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/result/stage_json.h"
 

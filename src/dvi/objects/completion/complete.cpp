@@ -84,7 +84,7 @@ CompletedObjects::CompletedObjects(const CompletionInput& input, const Tick& tic
   if (input.cameras.empty()) return;
   const CameraMaskEvidence& own = input.cameras.front();
   std::vector<OccupiedVoxel> voxels = find_object_space(input.cameras, input.returns, tick);
-  std::vector<Track> tracks = find_removed_tracks(input.cameras, input.returns, input.tracks);
+  std::vector<SharedTrack> tracks = find_removed_tracks(input.cameras, input.returns, input.tracks);
   const Identities identities = identify(own, {voxels, tracks, input.returns});
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     CompletedObject& object = objects_[identities.of_voxel[i]];
@@ -115,8 +115,8 @@ class CompletedObjects::FrameDrawing {
   void draw(int number, const CompletedObject& object, const cv::Mat1b& mask) {
     const ObjectColumns occupied = fill_columns(object);
     std::vector<ObjectColumns> moving;
-    for (const Track& track : object.tracks)
-      if (ObjectColumns columns = objects::fill_columns(track, time_ns_); !columns.empty())
+    for (const SharedTrack& track : object.tracks)
+      if (ObjectColumns columns = objects::fill_columns(*track, time_ns_); !columns.empty())
         moving.push_back(std::move(columns));
     const std::optional<Box> box = find_visible_box(object);
     if (occupied.empty() && moving.empty() && !box) return;

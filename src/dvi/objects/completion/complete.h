@@ -24,9 +24,9 @@ struct CompletionInput {
   std::vector<CameraMaskEvidence> cameras;  ///< the cameras of the drive that have masks of their own
   const MovingReturns& returns;
   const ground::ScanGround& ground;
-  const std::vector<Track>& tracks;  ///< the moving objects of the drive, whether masks show them or not
-  const MaskOptions& options;        ///< of the masks of labels
-  bool refine = true;                ///< whether the surroundings that bounding boxes cover are found
+  SharedTracks tracks;         ///< the moving objects of the drive, whether masks show them or not
+  const MaskOptions& options;  ///< of the masks of labels
+  bool refine = true;          ///< whether the surroundings that bounding boxes cover are found
 };
 
 /// Outlines of objects in the frames of one camera. The track of a label is the number of its object.
@@ -40,7 +40,7 @@ struct ObjectOutlines {
 struct CompletedObject {
   std::vector<OccupiedVoxel> voxels;  ///< the space that it occupied
   Eigen::AlignedBox3d extent;         ///< of the voxels, world axes
-  std::vector<Track> tracks;          ///< its motion
+  std::vector<SharedTrack> tracks;    ///< its motion
   std::optional<LabeledBoxes> boxes;  ///< its labels
 };
 

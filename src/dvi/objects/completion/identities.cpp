@@ -1,10 +1,12 @@
 #include "dvi/objects/completion/identities.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 namespace dvi::objects {
 namespace {
@@ -72,16 +74,35 @@ class LabelFinder {
   int next_ = 0;
 };
 
-using TrackVoxels = std::map<std::tuple<std::size_t, int, int, int>, std::size_t>;  // by scan and voxel
+using VoxelIndex = std::tuple<int, int, int>;
 
-TrackVoxels find_track_voxels(const std::vector<Track>& tracks) {
-  TrackVoxels out;
-  for (std::size_t k = 0; k < tracks.size(); ++k)
-    for (const Cluster& observation : tracks[k].observations)
-      for (const Eigen::Vector3d& point : observation.points) {
-        const Eigen::Vector3i index = voxel_at(point);
-        out.try_emplace({observation.scan, index.x(), index.y(), index.z()}, k);
-      }
+VoxelIndex to_tuple(const Eigen::Vector3i& index) { return {index.x(), index.y(), index.z()}; }
+
+// Finds the tracks that observe voxels, scan by scan.
+class TrackFinder {
+ public:
+  TrackFinder(const std::vector<SharedTrack>& tracks, std::size_t scans) : observations_(scans) {
+    for (std::size_t k = 0; k < tracks.size(); ++k)
+      for (const Cluster& observation : tracks[k]->observations) observations_[observation.scan].emplace_back(k, &observation);
+  }
+
+  // Returns the track of each voxel with returns of tracks in a scan, of several the first.
+  std::map<VoxelIndex, std::size_t> find(std::size_t scan) const {
+    std::map<VoxelIndex, std::size_t> out;
+    for (const auto& [track, observation] : observations_[scan])
+      for (const ClusterReturn& r : observation->returns) out.try_emplace(to_tuple(voxel_at(r.point)), track);
+    return out;
+  }
+
+ private:
+  std::vector<std::vector<std::pair<std::size_t, const Cluster*>>> observations_;  // per scan, with the index of the track
+};
+
+// Lists, per scan, the voxels in which masks show an object.
+std::vector<std::vector<std::uint32_t>> list_by_scan(const std::vector<OccupiedVoxel>& voxels, std::size_t scans) {
+  std::vector<std::vector<std::uint32_t>> out(scans);
+  for (std::size_t i = 0; i < voxels.size(); ++i)
+    for (const std::uint32_t scan : voxels[i].evidence) out[scan].push_back(static_cast<std::uint32_t>(i));
   return out;
 }
 
@@ -91,10 +112,10 @@ Identities identify(const CameraMaskEvidence& labeled, const ObjectParts& parts)
   Identities out;
   LabelFinder labels(labeled);
   int next = labels.next_number();
-  for (const Track& track : parts.tracks) {
+  for (const SharedTrack& track : parts.tracks) {
     Votes votes;
-    for (const Cluster& observation : track.observations) {
-      const Eigen::Vector3d middle = observation.points[observation.points.size() / 2];
+    for (const Cluster& observation : track->observations) {
+      const Eigen::Vector3d middle = observation.returns[observation.returns.size() / 2].point;
       if (const auto number = labels.find(middle, parts.returns.time_ns(observation.scan)))
         votes.add(*number);
       else
@@ -103,18 +124,22 @@ Identities identify(const CameraMaskEvidence& labeled, const ObjectParts& parts)
     const std::optional<int> number = votes.majority();
     out.of_track.push_back(number ? *number : next++);
   }
-  const TrackVoxels track_voxels = find_track_voxels(parts.tracks);
+  const TrackFinder tracks(parts.tracks, parts.returns.scans());
+  const std::vector<std::vector<std::uint32_t>> observed = list_by_scan(parts.voxels, parts.returns.scans());
   std::map<int, Votes> votes;  // by group
-  for (const OccupiedVoxel& voxel : parts.voxels)
-    for (const std::size_t scan : voxel.evidence) {
-      const auto track = track_voxels.find({scan, voxel.index.x(), voxel.index.y(), voxel.index.z()});
+  for (std::size_t scan = 0; scan < observed.size(); ++scan) {
+    const std::map<VoxelIndex, std::size_t> track_of = tracks.find(scan);
+    for (const std::uint32_t i : observed[scan]) {
+      const OccupiedVoxel& voxel = parts.voxels[i];
+      const auto track = track_of.find(to_tuple(voxel.index));
       if (const auto number = labels.find(voxel.center(), parts.returns.time_ns(scan)))
         votes[voxel.object].add(*number);
-      else if (track != track_voxels.end())
+      else if (track != track_of.end())
         votes[voxel.object].add(out.of_track[track->second]);
       else
         votes[voxel.object].add_other();
     }
+  }
   std::map<int, int> of_group;
   for (const auto& [group, vote] : votes) {
     const std::optional<int> number = vote.majority();

@@ -12,7 +12,7 @@ namespace dvi::objects {
 /// The parts of objects that were found in scans.
 struct ObjectParts {
   const std::vector<OccupiedVoxel>& voxels;  ///< with the number of their group
-  const std::vector<Track>& tracks;
+  const std::vector<SharedTrack>& tracks;
   const MovingReturns& returns;  ///< of the scans
 };
 

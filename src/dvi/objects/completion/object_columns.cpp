@@ -81,12 +81,11 @@ ObjectColumns fill_columns(const Track& track, std::int64_t time_ns) {
   if (std::abs(seconds_between(cluster.mean_time_ns, time_ns)) > kColumns.max_track_gap_s) return out;
   const Eigen::Vector2d velocity = track.velocity(nearest);
   const double top_m = top_of(cluster);
-  for (std::size_t k = 0; k < cluster.points.size(); ++k) {
-    Eigen::Vector3d point = cluster.points[k];
-    point.head<2>() += velocity * seconds_between(cluster.time_ns[k], time_ns);
-    if (track.reaches_above_scans && is_near_top(cluster, k, top_m))
-      point.z() = std::max(point.z(), cluster.ground[k] + track.height_m);
-    out.add(point, 0.5 * std::min(cluster.ray_spacing_m[k], kObjectVoxelM));
+  for (const ClusterReturn& r : cluster.returns) {
+    Eigen::Vector3d point = r.point;
+    point.head<2>() += velocity * seconds_between(r.time_ns, time_ns);
+    if (track.reaches_above_scans && is_near_top(r, top_m)) point.z() = std::max(point.z(), r.ground + track.height_m);
+    out.add(point, 0.5 * std::min(r.ray_spacing_m, kObjectVoxelM));
   }
   return out;
 }

@@ -13,14 +13,14 @@ namespace dvi::objects {
 
 /// A cube of space that a removed object occupied for a time.
 struct OccupiedVoxel {
-  Eigen::Vector3i index;              ///< position divided by the edge of the voxels, rounded down
-  std::int64_t first_ns = 0;          ///< the object may have been there from this time ...
-  std::int64_t last_ns = 0;           ///< ... to this time
-  std::int64_t first_return_ns = 0;   ///< time of the first scan with a return there
-  std::int64_t last_return_ns = 0;    ///< time of the last one
-  std::vector<std::size_t> returns;   ///< scans with a return there, ascending
-  std::vector<std::size_t> evidence;  ///< those among them in which masks show the object there, ascending
-  int object = -1;                    ///< number of the object
+  Eigen::Vector3i index;                ///< position divided by the edge of the voxels, rounded down
+  std::int64_t first_ns = 0;            ///< the object may have been there from this time ...
+  std::int64_t last_ns = 0;             ///< ... to this time
+  std::int64_t first_return_ns = 0;     ///< time of the first scan with a return there
+  std::int64_t last_return_ns = 0;      ///< time of the last one
+  std::vector<std::uint32_t> returns;   ///< scans with a return there, ascending
+  std::vector<std::uint32_t> evidence;  ///< those among them in which masks show the object there, ascending
+  int object = -1;                      ///< number of the object
 
   Eigen::Vector3d center() const;
 };

@@ -21,8 +21,8 @@ class TrackEvidence {
   void add(const Cluster& observation, const std::vector<MaskedSurfaces>& images) {
     std::size_t visible = 0, masked = 0;
     for (const MaskedSurfaces& image : images)
-      for (const Eigen::Vector3d& point : observation.points) {
-        const std::optional<bool> is_masked = image.shows_masked(point);
+      for (const ClusterReturn& r : observation.returns) {
+        const std::optional<bool> is_masked = image.shows_masked(r.point);
         visible += is_masked.has_value();
         masked += is_masked.value_or(false);
       }
@@ -42,12 +42,12 @@ class TrackEvidence {
 
 }  // namespace
 
-std::vector<Track> find_removed_tracks(const std::vector<CameraMaskEvidence>& cameras, const MovingReturns& returns,
-                                       const std::vector<Track>& tracks) {
+std::vector<SharedTrack> find_removed_tracks(const std::vector<CameraMaskEvidence>& cameras, const MovingReturns& returns,
+                                             const SharedTracks& tracks) {
   std::vector<std::vector<std::pair<std::size_t, const Cluster*>>> observations(returns.scans());
-  for (std::size_t k = 0; k < tracks.size(); ++k)
-    for (const Cluster& observation : tracks[k].observations) observations[observation.scan].emplace_back(k, &observation);
-  std::vector<TrackEvidence> evidence(tracks.size());
+  for (std::size_t k = 0; k < tracks->size(); ++k)
+    for (const Cluster& observation : (*tracks)[k].observations) observations[observation.scan].emplace_back(k, &observation);
+  std::vector<TrackEvidence> evidence(tracks->size());
   for (std::size_t scan = 0; scan < observations.size(); ++scan) {
     if (observations[scan].empty()) continue;
     const std::int64_t time_ns = observations[scan].front().second->mean_time_ns;
@@ -56,9 +56,9 @@ std::vector<Track> find_removed_tracks(const std::vector<CameraMaskEvidence>& ca
       if (const auto frame = find_masked_frame(camera, time_ns)) images.emplace_back(*frame, returns.obstacles(scan)->points);
     for (const auto& [track, observation] : observations[scan]) evidence[track].add(*observation, images);
   }
-  std::vector<Track> removed;
-  for (std::size_t k = 0; k < tracks.size(); ++k)
-    if (evidence[k].is_removed()) removed.push_back(tracks[k]);
+  std::vector<SharedTrack> removed;
+  for (std::size_t k = 0; k < tracks->size(); ++k)
+    if (evidence[k].is_removed()) removed.push_back(share_track(tracks, k));
   return removed;
 }
 

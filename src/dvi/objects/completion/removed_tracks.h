@@ -9,7 +9,7 @@
 namespace dvi::objects {
 
 /// Returns the moving objects of a drive that masks of its cameras show in several scans.
-std::vector<Track> find_removed_tracks(const std::vector<CameraMaskEvidence>& cameras, const MovingReturns& returns,
-                                       const std::vector<Track>& tracks);
+std::vector<SharedTrack> find_removed_tracks(const std::vector<CameraMaskEvidence>& cameras, const MovingReturns& returns,
+                                             const SharedTracks& tracks);
 
 }  // namespace dvi::objects

@@ -43,7 +43,7 @@ struct MaskedDrive {
 
   /// Draws what completion adds to the masks, per frame.
   std::vector<cv::Mat1b> complete() {
-    const std::vector<Track> tracks = segment_motion(returns, [] {}).tracks;
+    const SharedTracks tracks = share_tracks(segment_motion(returns, [] {}).tracks);
     const MaskOptions options;
     const CompletedObjects objects({cameras(), returns, ground, tracks, options}, [] {});
     std::vector<cv::Mat1b> out;
