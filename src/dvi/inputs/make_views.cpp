@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -11,9 +12,16 @@
 namespace dvi::inputs {
 namespace {
 
+/// Returns the sequence of each view and its frame in it.
+std::shared_ptr<const std::vector<std::pair<std::size_t, std::size_t>>> find_places(const Views& views) {
+  auto out = std::make_shared<std::vector<std::pair<std::size_t, std::size_t>>>();
+  for (const View& view : views.views) out->emplace_back(view.sequence, view.frame);
+  return out;
+}
+
 // The drives' caches hold the pixels; the sequences of the views only refer to them, so that no image is kept twice.
 void attach_images(Views& views, const Recordings& drives, const objects::Masks& masks_of_cameras) {
-  const auto of = [list = views.views](std::size_t i) { return std::pair(list[i].sequence, list[i].frame); };
+  const auto of = [places = find_places(views)](std::size_t i) { return (*places)[i]; };
   std::vector<Lazy<cv::Mat3b>> images;
   std::vector<Lazy<cv::Mat1b>> masks, unknown;
   for (const Recording& open : drives) images.push_back(open.drive.images);
@@ -30,15 +38,24 @@ void attach_images(Views& views, const Recordings& drives, const objects::Masks&
   });
 }
 
+/// Returns the drive as its scans need it, without names, files, and labels, which take most of the memory of a long drive.
+Drive copy_for_scans(const Drive& drive) {
+  Drive out = drive;
+  for (Frame& frame : out.frames) frame = {frame.number, {}, frame.time_ns, {}, {}};
+  for (ScanHeader& scan : out.scan_headers) scan = {{}, scan.time_ns, scan.start_ns, scan.end_ns, {}};
+  out.mask_files = {};
+  return out;
+}
+
 void attach_returns(Views& views, const Inputs& inputs) {
   std::vector<Lazy<std::vector<ImageReturn>>> returns;
   for (const Recording& open : inputs.drives) {
-    const auto drive = std::make_shared<const Drive>(open.drive);
+    const auto drive = std::make_shared<const Drive>(copy_for_scans(open.drive));
     returns.emplace_back(drive->frames.size(), [drive, poses = inputs.poses[returns.size()].world_from_lidar](std::size_t i) {
       return project_returns(*drive, i, poses);
     });
   }
-  const auto of = [list = views.views](std::size_t i) { return std::pair(list[i].sequence, list[i].frame); };
+  const auto of = [places = find_places(views)](std::size_t i) { return (*places)[i]; };
   views.returns =
       Lazy<std::vector<ImageReturn>>::through(views.size(), [=](std::size_t i) { return returns[of(i).first][of(i).second]; });
 }

@@ -89,9 +89,9 @@ void draw_returns(const StaticReturns& returns, const View& view, cv::Mat1f& dep
 }  // namespace
 
 Lazy<cv::Mat1f> render_static_depth(const StaticScene& scene, const Views& views) {
-  const std::vector<ScanHeader>& headers = scene.drive.scan_headers;
-  const Lazy<StaticReturns> returns(headers.size(), [scene](std::size_t scan) { return find_static_returns(scene, scan); });
-  return {views.size(), [returns, headers, list = views.views](std::size_t i) {
+  const Lazy<StaticReturns> returns(scene.drive.scan_headers.size(),
+                                    [scene](std::size_t scan) { return find_static_returns(scene, scan); });
+  return {views.size(), [returns, &headers = scene.drive.scan_headers, list = views.views](std::size_t i) {
             const View& view = list[i];
             cv::Mat1f depth(view.camera.height / kHalfSizeFactor, view.camera.width / kHalfSizeFactor, 0.F);
             const std::int64_t window_ns = std::llround(1e9 * kStaticDepth.window_s);

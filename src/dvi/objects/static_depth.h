@@ -8,10 +8,11 @@
 
 namespace dvi::objects {
 
-/// The scans of a drive, and the objects that do not belong to its static surfaces.
+/// The scans of a drive, and the objects that do not belong to its static surfaces. It refers to the drive and its poses, which
+/// must outlive it and the depth maps rendered from it.
 struct StaticScene {
-  Drive drive;
-  Trajectory world_from_lidar;
+  const Drive& drive;
+  const Trajectory& world_from_lidar;
   SharedLabels objects;  ///< per frame; returns within their boxes are left out
   std::shared_ptr<const ground::ScanGround> ground;
 };
