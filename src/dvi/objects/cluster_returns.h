@@ -26,11 +26,13 @@ class ClusterReturns {
   /// Reads the returns in order, for range-based loops.
   class Iterator {
    public:
+    // NOLINTBEGIN(readability-identifier-naming): names of the standard library
     using iterator_category = std::input_iterator_tag;
     using value_type = ClusterReturn;
     using difference_type = std::ptrdiff_t;
     using pointer = void;
     using reference = ClusterReturn;
+    // NOLINTEND(readability-identifier-naming)
 
     Iterator(const ClusterReturns& of, std::size_t at) : of_(&of), at_(at) {}
     ClusterReturn operator*() const { return (*of_)[at_]; }
