@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -38,7 +39,7 @@ std::vector<double> finite_numbers(const toml::node& node) {
 }
 
 // Returns the table of a key, which is empty if the key is missing.
-const toml::table& to_table(const fs::path& file, const toml::node* node, const std::string& name) {
+const toml::table& to_table(const fs::path& file, const toml::node* node, std::string_view name) {
   static const toml::table none;
   if (node && !node->is_table())
     throw InputError(fmt::format("{}:{}", file.string(), node->source().begin.line), fmt::format("'{}' is not a table", name),
