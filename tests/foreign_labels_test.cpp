@@ -1,4 +1,3 @@
-#include <cstdlib>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -8,6 +7,7 @@
 #include "dvi/core/error.h"
 #include "dvi/inputs/collect_evidence.h"
 #include "dvi/media/write_image.h"
+#include "dvi/testing/find_recording.h"
 #include "program.h"
 
 namespace dvi {
@@ -21,9 +21,8 @@ using testing::HasSubstr;
 class ForeignLabels : public ProgramTest {
  protected:
   void SetUp() override {
-    const char* root = std::getenv("DVI_DATA");
-    labels = fs::path(root == nullptr ? "/tmp/dvi-data" : root) / "foreign_files/labels";
-    if (!fs::exists(labels)) GTEST_SKIP() << labels << " is not there; set DVI_DATA to the recordings";
+    labels = find_recording("foreign_files/labels");
+    DVI_SKIP_WITHOUT(labels);
   }
 
   /// A drive of the plain layout with a scan of some points per image.

@@ -1,6 +1,5 @@
 // Runs on paths and recordings as written by other systems and programs.
 
-#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -10,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/files.h"
+#include "dvi/testing/find_recording.h"
 #include "program.h"
 
 namespace dvi {
@@ -18,13 +18,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-class ForeignNames : public ProgramTest {
- protected:
-  static fs::path data(const std::string& name) {
-    const char* root = std::getenv("DVI_DATA");
-    return fs::path(root != nullptr ? root : "/tmp/dvi-data") / "foreign_files" / name;
-  }
-};
+class ForeignNames : public ProgramTest {};
 
 // Folders and images have names in Latin-1, while TOML and JSON are UTF-8.
 TEST_F(ForeignNames, NeedNotBeUtf8) {
@@ -57,8 +51,8 @@ TEST_F(ForeignNames, NeedNotBeUtf8) {
 
 // The published form of the benchmark has times in scientific notation and no masks.
 TEST_F(ForeignNames, KittiOdometryRunsWithoutChanges) {
-  const fs::path path = data("kitti_odometry");
-  if (!fs::exists(path)) GTEST_SKIP() << path << " is not there; set DVI_DATA to the recordings";
+  const fs::path path = find_recording("foreign_files/kitti_odometry");
+  DVI_SKIP_WITHOUT(path);
   const Result parent = dvi("check " + path.string());
   EXPECT_EQ(parent.code, 3);
   EXPECT_THAT(parent.err, HasSubstr("did you mean " + (path / "sequences/04").string()));
@@ -68,8 +62,8 @@ TEST_F(ForeignNames, KittiOdometryRunsWithoutChanges) {
 }
 
 TEST_F(ForeignNames, CheckWarnsOfKitti360TimesOfAnotherExcerpt) {
-  const fs::path path = data("kitti_360/data_2d_raw/2013_05_28_drive_0007_sync");
-  if (!fs::exists(path)) GTEST_SKIP() << path << " is not there; set DVI_DATA to the recordings";
+  const fs::path path = find_recording("foreign_files/kitti_360/data_2d_raw/2013_05_28_drive_0007_sync");
+  DVI_SKIP_WITHOUT(path);
   const Result check = dvi(fmt::format("check {}", path.string()));
   EXPECT_EQ(check.code, 0) << check.err;
   EXPECT_THAT(check.out, AllOf(HasSubstr("frames   3 (3000:3002), 9.6 Hz"), HasSubstr("it belongs to another excerpt")));

@@ -1,13 +1,13 @@
 #include "dvi/bags/copy_bag.h"
 
 #include <libdeflate.h>
-#include <cstdlib>
 #include <cstring>
 #include <map>
 #include <vector>
 
 #include "dvi/bags/bag.h"
 #include "dvi/bags/bag_bytes.h"
+#include "dvi/testing/find_recording.h"
 #include "dvi/testing/image_folder.h"
 
 namespace dvi::bags {
@@ -91,9 +91,8 @@ INSTANTIATE_TEST_SUITE_P(Kinds, CopyBag,
 class CopyForeignBag : public testing::TestWithParam<const char*> {};
 
 TEST_P(CopyForeignBag, ReplacesSomeMessagesAndKeepsTheOthers) {
-  const char* root = std::getenv("DVI_DATA");
-  const fs::path from = fs::path(root == nullptr ? "" : root) / "foreign_files/bags" / GetParam();
-  if (!fs::exists(from)) GTEST_SKIP() << from << " is not there; set DVI_DATA to the recordings";
+  const fs::path from = find_recording("foreign_files/bags") / GetParam();
+  DVI_SKIP_WITHOUT(from);
   const TempFolder folder;
   const fs::path to = folder.path / ("copy" + from.extension().string());
   const std::vector<Message> expected = copy_and_extend(from, to, std::string(50, 'x'));

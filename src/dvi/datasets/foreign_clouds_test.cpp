@@ -1,11 +1,11 @@
 // These files were written by COLMAP, PCL, and publishers of data sets; tests/README.md describes how.
 
 #include <cmath>
-#include <cstdlib>
 
 #include "dvi/datasets/colmap_model.h"
 #include "dvi/datasets/reader.h"
 #include "dvi/media/point_cloud.h"
+#include "dvi/testing/find_recording.h"
 #include "dvi/testing/image_folder.h"
 
 namespace dvi::datasets {
@@ -69,9 +69,8 @@ TEST(ForeignClouds, RefusesCompressedPcd) {
 
 // Frames 250 to 310 of a recording of the publisher.
 TEST(ForeignClouds, ReadsSevenScenes) {
-  const char* root = std::getenv("DVI_DATA");
-  const fs::path path = fs::path(root != nullptr ? root : "/tmp/dvi-data") / "seven_scenes_kitchen/visit_1";
-  if (!fs::exists(path)) GTEST_SKIP() << path << " is not there; set DVI_DATA to the recordings";
+  const fs::path path = find_recording("seven_scenes_kitchen/visit_1");
+  DVI_SKIP_WITHOUT(path);
   const Drive drive = read_drive(path);
   EXPECT_EQ(drive.format, "7-scenes");
   ASSERT_EQ(drive.frames.size(), 61U);

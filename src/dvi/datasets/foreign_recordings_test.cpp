@@ -1,13 +1,12 @@
 // Small recordings as their publishers offer them, if they are available: $DVI_DATA/foreign_files.
 
-#include <cstdlib>
-
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
 #include "dvi/datasets/colmap_model.h"
 #include "dvi/datasets/pose_file.h"
 #include "dvi/datasets/reader.h"
+#include "dvi/testing/find_recording.h"
 #include "dvi/testing/image_folder.h"
 
 namespace dvi::datasets {
@@ -17,22 +16,10 @@ using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
 
-class ForeignRecordings : public testing::Test {
- protected:
-  // Skips the test if the recording is not there.
-  static fs::path find(const std::string& name) {
-    const char* root = std::getenv("DVI_DATA");
-    return fs::path(root != nullptr ? root : "/tmp/dvi-data") / "foreign_files" / name;
-  }
-};
-
-#define SKIP_IF_ABSENT(path) \
-  if (!fs::exists(path)) GTEST_SKIP() << path << " is not there; set DVI_DATA to the recordings"
-
 // The benchmark writes times like "1.041284e-01" into times.txt.
-TEST_F(ForeignRecordings, ReadKittiOdometry) {
-  const fs::path path = find("kitti_odometry/sequences/04");
-  SKIP_IF_ABSENT(path);
+TEST(ForeignRecordings, ReadKittiOdometry) {
+  const fs::path path = find_recording("foreign_files/kitti_odometry/sequences/04");
+  DVI_SKIP_WITHOUT(path);
   const Drive drive = read_drive(path);
   EXPECT_EQ(drive.format, "kitti-odometry");
   ASSERT_EQ(drive.frames.size(), 3U);
@@ -46,9 +33,9 @@ TEST_F(ForeignRecordings, ReadKittiOdometry) {
 }
 
 // The excerpt has the numbers 3000 to 3002 and a timestamps.txt of 1,031 lines.
-TEST_F(ForeignRecordings, ReadKitti360WithTimesOfAnotherExcerpt) {
-  const fs::path path = find("kitti_360/data_2d_raw/2013_05_28_drive_0007_sync");
-  SKIP_IF_ABSENT(path);
+TEST(ForeignRecordings, ReadKitti360WithTimesOfAnotherExcerpt) {
+  const fs::path path = find_recording("foreign_files/kitti_360/data_2d_raw/2013_05_28_drive_0007_sync");
+  DVI_SKIP_WITHOUT(path);
   const Drive drive = read_drive(path);
   ASSERT_EQ(drive.frames.size(), 3U);
   EXPECT_EQ(drive.frames[0].number, 3000);
@@ -59,9 +46,9 @@ TEST_F(ForeignRecordings, ReadKitti360WithTimesOfAnotherExcerpt) {
 }
 
 // A point at the left is in the image of the fisheye camera that looks to the left.
-TEST_F(ForeignRecordings, ReadFisheyeCamerasOfKitti360) {
-  const fs::path path = find("kitti_360/data_2d_raw/2013_05_28_drive_0007_sync");
-  SKIP_IF_ABSENT(path);
+TEST(ForeignRecordings, ReadFisheyeCamerasOfKitti360) {
+  const fs::path path = find_recording("foreign_files/kitti_360/data_2d_raw/2013_05_28_drive_0007_sync");
+  DVI_SKIP_WITHOUT(path);
   const TestFolder folder;
   fs::copy(path.parent_path().parent_path(), folder.path / "kitti", fs::copy_options::recursive);
   const fs::path drive_path = folder.path / "kitti/data_2d_raw" / path.filename();
@@ -87,9 +74,9 @@ TEST_F(ForeignRecordings, ReadFisheyeCamerasOfKitti360) {
   }
 }
 
-TEST_F(ForeignRecordings, ReadTumRgbd) {
-  const fs::path path = find("tum_fr1_rpy");
-  SKIP_IF_ABSENT(path);
+TEST(ForeignRecordings, ReadTumRgbd) {
+  const fs::path path = find_recording("foreign_files/tum_fr1_rpy");
+  DVI_SKIP_WITHOUT(path);
   const Drive drive = read_drive(path);
   EXPECT_EQ(drive.format, "tum-rgbd");
   ASSERT_EQ(drive.frames.size(), 20U);
@@ -98,9 +85,9 @@ TEST_F(ForeignRecordings, ReadTumRgbd) {
 }
 
 // evo_traj --save_as_tum writes poses by numpy.savetxt with "%.18e".
-TEST_F(ForeignRecordings, ReadTumPosesInScientificNotation) {
-  const fs::path path = find("tum_fr1_rpy");
-  SKIP_IF_ABSENT(path);
+TEST(ForeignRecordings, ReadTumPosesInScientificNotation) {
+  const fs::path path = find_recording("foreign_files/tum_fr1_rpy");
+  DVI_SKIP_WITHOUT(path);
   const TestFolder folder;
   std::string text;
   for (const Frame& frame : read_drive(path).frames)
@@ -116,9 +103,9 @@ TEST_F(ForeignRecordings, ReadTumPosesInScientificNotation) {
 }
 
 // The model has 50 images that are named by times ("9.307.png"); the images themselves are not included.
-TEST_F(ForeignRecordings, ReadColmap) {
-  const fs::path path = find("colmap_sparse");
-  SKIP_IF_ABSENT(path);
+TEST(ForeignRecordings, ReadColmap) {
+  const fs::path path = find_recording("foreign_files/colmap_sparse");
+  DVI_SKIP_WITHOUT(path);
   EXPECT_THAT(input_error([&] { read_drive(path); }),
               AllOf(HasSubstr("colmap_sparse: holds a COLMAP model, but no folder images/"), HasSubstr("sparse/0")));
   const ColmapModel model = read_colmap_model(path / "0");

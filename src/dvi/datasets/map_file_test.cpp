@@ -1,12 +1,12 @@
 #include <bit>
 #include <cmath>
-#include <cstdlib>
 
 #include "dvi/datasets/colmap_model.h"
 #include "dvi/datasets/map_file.h"
 #include "dvi/datasets/reader.h"
 #include "dvi/media/point_cloud.h"
 #include "dvi/media/write_ply.h"
+#include "dvi/testing/find_recording.h"
 #include "dvi/testing/image_folder.h"
 
 namespace dvi::datasets {
@@ -279,9 +279,8 @@ TEST(GivenMap, RefusesCoordinatesThatAreNotMeters) {
 
 // These clouds were written by PDAL, OpenMVG, CloudCompare and others.
 TEST(GivenMap, ReadsOrRefusesFilesOfOtherPrograms) {
-  const char* root = std::getenv("DVI_DATA");
-  const fs::path clouds = fs::path(root ? root : "/tmp/dvi-data") / "foreign_files/clouds";
-  if (!fs::exists(clouds)) GTEST_SKIP() << clouds << " is not there; set DVI_DATA to the recordings";
+  const fs::path clouds = find_recording("foreign_files/clouds");
+  DVI_SKIP_WITHOUT(clouds);
   const std::pair<const char*, std::size_t> read[] = {{"1.0_0.las", 1},
                                                       {"1.2_2.las", 1},
                                                       {"100-points.las", 100},

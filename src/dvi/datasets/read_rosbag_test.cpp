@@ -1,4 +1,3 @@
-#include <cstdlib>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
@@ -6,6 +5,7 @@
 #include "dvi/bags/bag.h"
 #include "dvi/core/error.h"
 #include "dvi/datasets/reader.h"
+#include "dvi/testing/find_recording.h"
 #include "dvi/testing/image_folder.h"
 
 namespace dvi::datasets {
@@ -181,9 +181,8 @@ TEST_F(SplitBag, WritesNothingBesideIt) {
 
 // Bags of rosbag.js, rosbag2, and kapture. None of them is a drive, and each message states what is missing.
 TEST(ForeignBags, AreRefusedWithTheMissingTopics) {
-  const char* root = std::getenv("DVI_DATA");
-  const fs::path folder = fs::path(root != nullptr ? root : "/tmp/dvi-data") / "foreign_files/bags";
-  if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there; set DVI_DATA to the recordings";
+  const fs::path folder = find_recording("foreign_files/bags");
+  DVI_SKIP_WITHOUT(folder);
   const std::pair<const char*, const char*> errors[] = {
       {"empty-file.bag", "is empty"},
       {"empty_bag_0.db3", "holds no messages"},

@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "dvi/core/text.h"
+#include "dvi/testing/find_recording.h"
 #include "dvi/testing/image_folder.h"
 
 namespace dvi::datasets {
@@ -120,18 +121,6 @@ TEST(Reader, RefusesBrokenScansBeforeAnyWork) {
   EXPECT_THAT(input_error([&] { read_drive(folder.path); }), AllOf(HasSubstr("11.bin"), HasSubstr("no points")));
 }
 
-// The development recordings, if they are available.
-class Recordings : public testing::Test {
- protected:
-  static fs::path data(const std::string& drive) {
-    const char* root = std::getenv("DVI_DATA");
-    return fs::path(root ? root : "/tmp/dvi-data") / drive;
-  }
-};
-
-#define SKIP_WITHOUT(path) \
-  if (!fs::exists(path)) GTEST_SKIP() << path << " is not there; set DVI_DATA to the recordings"
-
 // Returns the mean distance in pixels between the left and right edges of projected boxes and of the labels' rectangles.
 double box_error(const Drive& drive) {
   double sum = 0;
@@ -151,7 +140,7 @@ double box_error(const Drive& drive) {
   return sum / edges;
 }
 
-TEST_F(Recordings, KittiRaw) {
+TEST(Recordings, KittiRaw) {
   struct Expected {
     const char* drive;
     std::size_t frames, labels;
@@ -159,8 +148,8 @@ TEST_F(Recordings, KittiRaw) {
   };
   for (const Expected& e : {Expected{"kitti_0013/2011_09_26/2011_09_26_drive_0013_sync", 40, 104, 10},
                             Expected{"kitti_0009/2011_09_26/2011_09_26_drive_0009_sync", 35, 294, 0}}) {
-    SKIP_WITHOUT(data(e.drive));
-    const Drive drive = read_drive(data(e.drive));
+    DVI_SKIP_WITHOUT(find_recording(e.drive));
+    const Drive drive = read_drive(find_recording(e.drive));
     EXPECT_EQ(drive.format, "kitti-raw");
     EXPECT_EQ(drive.frames.size(), e.frames);
     EXPECT_EQ(drive.frames.front().number, e.first);
@@ -189,9 +178,9 @@ SE3 true_pose(const TextLine& line) {
   return pose;
 }
 
-TEST_F(Recordings, ApolloscapeHasTheTruePoses) {
-  const fs::path path = data("apolloscape_street");
-  SKIP_WITHOUT(path);
+TEST(Recordings, ApolloscapeHasTheTruePoses) {
+  const fs::path path = find_recording("apolloscape_street");
+  DVI_SKIP_WITHOUT(path);
   const Drive drive = read_drive(path);
   EXPECT_EQ(drive.format, "apolloscape");
   EXPECT_EQ(drive.scan_headers.size(), 22U);

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 
 #include "dvi/core/random.h"
 #include "dvi/media/point_cloud.h"
+#include "dvi/testing/find_recording.h"
 #include "dvi/testing/image_folder.h"
 #include "dvi/testing/test_scan.h"
 
@@ -143,9 +143,8 @@ TEST(BinLayout, UsesStatedColumns) {
 
 // These scans were written by other programs.
 TEST(BinLayout, RecognizesScansOfDataSets) {
-  const char* root = std::getenv("DVI_DATA");
-  const fs::path clouds = fs::path(root ? root : "/tmp/dvi-data") / "foreign_files/clouds";
-  if (!fs::exists(clouds)) GTEST_SKIP() << clouds << " is not there; set DVI_DATA to the recordings";
+  const fs::path clouds = find_recording("foreign_files/clouds");
+  DVI_SKIP_WITHOUT(clouds);
   const auto text = [&](const char* name) { return infer_bin_layout({clouds / name}, kTimes).text(); };
   EXPECT_EQ(text("kitti.bin"), "4 columns of float32: x y z intensity");
   EXPECT_EQ(text("nuscenes.pcd.bin"), "5 columns of float32: x y z intensity ring");

@@ -1,7 +1,6 @@
 #include "dvi/odometry/rgbd_odometry.h"
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 
 #include <gmock/gmock.h>
@@ -12,6 +11,7 @@
 #include "dvi/odometry/direct_alignment.h"
 #include "dvi/odometry/rgbd_result.h"
 #include "dvi/odometry/thumbnail.h"
+#include "dvi/testing/find_recording.h"
 #include "dvi/testing/test_rgbd.h"
 
 namespace dvi::odometry {
@@ -191,12 +191,6 @@ TEST(RgbdMoments, PairDepthImagesWithTheNearestColorImages) {
   EXPECT_EQ(moments[3].time_ns, drive.scan_headers[3].time_ns);
 }
 
-/// Recordings for development.
-std::filesystem::path recording(const char* name) {
-  const char* root = std::getenv("DVI_DATA");
-  return std::filesystem::path(root != nullptr ? root : "/tmp/dvi-data") / name;
-}
-
 /// RMS distance of positions at the depth images after the best rigid fit.
 double absolute_trajectory_error_m(const Drive& drive, const Trajectory& found) {
   std::vector<Eigen::Vector3d> a, b;
@@ -211,8 +205,8 @@ double absolute_trajectory_error_m(const Drive& drive, const Trajectory& found) 
 }
 
 TEST(RgbdOdometry, FollowsAKitchenOfSevenScenes) {
-  const std::filesystem::path path = recording("seven_scenes_kitchen/visit_1");
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there; set DVI_DATA to the recordings";
+  const std::filesystem::path path = find_recording("seven_scenes_kitchen/visit_1");
+  DVI_SKIP_WITHOUT(path);
   Drive drive = datasets::read_drive(path);
   drive.scan_headers.resize(30);
   const Odometry found = estimate_odometry(drive, {});
@@ -222,8 +216,8 @@ TEST(RgbdOdometry, FollowsAKitchenOfSevenScenes) {
 
 TEST(RgbdOdometry, FollowsFreiburg1RpyWithEverySecondImage) {
   // Its excerpt has no ground truth at these frames: both estimates must agree.
-  const std::filesystem::path path = recording("foreign_files/tum_fr1_rpy");
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there; set DVI_DATA to the recordings";
+  const std::filesystem::path path = find_recording("foreign_files/tum_fr1_rpy");
+  DVI_SKIP_WITHOUT(path);
   const Drive all = datasets::read_drive(path);
   Drive half = all;
   half.scan_headers.clear();
