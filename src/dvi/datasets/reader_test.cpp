@@ -1,6 +1,6 @@
 #include "dvi/datasets/reader.h"
 
-#include <cstdlib>
+#include <cmath>
 
 #include "dvi/core/text.h"
 #include "dvi/testing/find_recording.h"
