@@ -213,13 +213,20 @@ std::optional<MaskedFrame> find_masked_frame(const CameraMaskEvidence& evidence,
 std::vector<MaskVote> vote_by_masks(const std::vector<CameraMaskEvidence>& cameras, const ObstacleReturns& returns,
                                     std::int64_t time_ns) {
   std::vector<MaskVote> votes(returns.points.size(), MaskVote::unseen);
+  std::vector<char> masked(votes.size()), unmasked(votes.size());  // by any camera
   const std::vector<int> thing = group_by_distance(returns.points, kMaskVoting.square_m);
   for (const CameraMaskEvidence& camera : cameras) {
     const std::optional<MaskedFrame> frame = find_masked_frame(camera, time_ns);
     if (!frame) continue;
     const MaskedSurfaces image(*frame, returns.points);
     const MaskedThings things(image, returns, thing);
-    for (std::size_t i = 0; i < votes.size(); ++i) votes[i] = std::max(votes[i], things.vote(i));
+    const bool has_mask = cv::countNonZero(*frame->removed) > 0;
+    for (std::size_t i = 0; i < votes.size(); ++i) {
+      const MaskVote vote = things.vote(i);
+      masked[i] |= vote == MaskVote::object;
+      unmasked[i] |= has_mask && vote == MaskVote::background;
+      votes[i] = masked[i] && unmasked[i] ? MaskVote::disputed : std::max(votes[i], vote);
+    }
   }
   return votes;
 }

@@ -15,9 +15,10 @@
 namespace dvi::objects {
 
 /// The evidence of the masks of the images taken during a scan for one of its returns. object: it belongs to a removed
-/// object. background: an image shows it outside the masks. unclear: it is masked but may lie behind the object, or it is at
+/// object. disputed: it does in one image, but another one shows it outside its masks; an image without any mask does not
+/// dispute. background: an image shows it outside the masks. unclear: it is masked but may lie behind the object, or it is at
 /// the boundary of a mask. unseen: it is in no image.
-enum class MaskVote : std::uint8_t { unseen, unclear, background, object };
+enum class MaskVote : std::uint8_t { unseen, unclear, background, disputed, object };
 
 /// The masks of one camera as evidence of objects.
 struct CameraMaskEvidence {

@@ -205,19 +205,35 @@ TEST(MaskedReturns, AreUnseenWithoutAFrameNearTheScan) {
   EXPECT_TRUE(image.vote({}).empty());
 }
 
-TEST(MaskedReturns, AreObjectsIfOneOfTwoCamerasMasksThem) {
+// Votes for the returns of the car by the masks of two cameras at the same place.
+std::vector<MaskVote> vote_by_two_cameras(const cv::Mat1b& first, const cv::Mat1b& second) {
   const Drive drive = PlainDrive(2, 0).drive;
-  MaskedImage image;
-  image.add_mask(kMaskedCar, 1);
   const CameraEvidence evidence{drive, drive.poses, "drive", {MaskSource::files}};
-  const Lazy<cv::Mat1b> masks(2, [&](std::size_t) { return image.mask; }),
-      empty(2, [&](std::size_t) { return cv::Mat1b(image.mask.size(), uchar{0}); });
+  const Lazy<cv::Mat1b> of_first(2, [&](std::size_t) { return first; }), of_second(2, [&](std::size_t) { return second; });
   const SharedLabels none = shared(FrameLabels(2));
   ObstacleReturns returns;
   returns.points = kMaskedCar;
-  EXPECT_EQ(count_votes(vote_by_masks({{evidence, empty, empty, none}, {evidence, masks, masks, none}}, returns, 0),
-                        MaskVote::object),
-            count_points(kMaskedCar));
+  return vote_by_masks({{evidence, of_first, of_first, none}, {evidence, of_second, of_second, none}}, returns, 0);
+}
+
+TEST(MaskedReturns, AreObjectsIfOneOfTwoCamerasMasksThemAndTheOtherMasksNothing) {
+  MaskedImage image;
+  image.add_mask(kMaskedCar, 1);
+  const cv::Mat1b empty(image.mask.size(), uchar{0});
+  EXPECT_EQ(count_votes(vote_by_two_cameras(empty, image.mask), MaskVote::object), count_points(kMaskedCar));
+  EXPECT_EQ(count_votes(vote_by_two_cameras(image.mask, empty), MaskVote::object), count_points(kMaskedCar));
+}
+
+TEST(MaskedReturns, AreDisputedIfOneOfTwoCamerasMasksThemAndTheOtherSomethingElse) {
+  MaskedImage image;
+  image.add_mask(kMaskedCar, 1);
+  cv::Mat1b elsewhere(image.mask.size(), uchar{0});
+  elsewhere(cv::Rect(elsewhere.cols - 4, elsewhere.rows - 4, 4, 4)) = 255;
+  ASSERT_EQ(cv::countNonZero(elsewhere & image.mask), 0);
+  EXPECT_EQ(count_votes(vote_by_two_cameras(elsewhere, image.mask), MaskVote::disputed), count_points(kMaskedCar));
+  EXPECT_EQ(count_votes(vote_by_two_cameras(image.mask, elsewhere), MaskVote::disputed), count_points(kMaskedCar));
+  EXPECT_EQ(count_votes(vote_by_two_cameras(elsewhere, elsewhere), MaskVote::background), count_points(kMaskedCar));
+  EXPECT_EQ(count_votes(vote_by_two_cameras(image.mask, image.mask), MaskVote::object), count_points(kMaskedCar));
 }
 
 }  // namespace

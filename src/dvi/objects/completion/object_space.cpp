@@ -21,7 +21,8 @@ namespace {
 struct ObjectSpaceParams {
   std::ptrdiff_t min_passes = 2;  ///< consecutive scans that pass an empty voxel; rays pass glass and edges at times
   /// Share of the scans in which masks show an object in a voxel, among those in which images show the voxel, between the first
-  /// and the last of them, and in all. Labels often begin and end while an object is visible.
+  /// and the last of them, and in all. Labels often begin and end while an object is visible. Detectors miss objects, so that
+  /// disputed scans count as those of an object between the first and the last one, but as background in all.
   double min_inner_share = 0.6, min_object_share = 0.2;
   int neighbor_voxels = 2;    ///< distance between voxels of one object
   std::size_t min_scans = 2;  ///< scans in which masks show an object
@@ -44,7 +45,7 @@ Eigen::Vector3d center_of(const Eigen::Vector3i& index) {
 }
 
 // What one scan shows of a voxel.
-enum class VoxelState : std::uint8_t { free, object, background, unclear };
+enum class VoxelState : std::uint8_t { free, object, disputed, background, unclear };
 
 struct VoxelObservation {
   std::uint32_t scan;
@@ -101,7 +102,7 @@ std::vector<CandidateVoxel> find_candidates(const Lazy<ScanVotes>& votes, const 
     parallel_for(scans.size(), [&](std::size_t i) { scans[i] = votes[first + i]; });
     for (const auto& scan : scans) {
       for (const auto& [key, vote] : *scan)
-        if (vote == MaskVote::object) found.insert(key);
+        if (vote >= MaskVote::disputed) found.insert(key);
       tick();
     }
   });
@@ -113,6 +114,7 @@ std::vector<CandidateVoxel> find_candidates(const Lazy<ScanVotes>& votes, const 
 
 VoxelState to_state(MaskVote vote) {
   return vote == MaskVote::object       ? VoxelState::object
+         : vote == MaskVote::disputed   ? VoxelState::disputed
          : vote == MaskVote::background ? VoxelState::background
                                         : VoxelState::unclear;
 }
@@ -220,7 +222,8 @@ class Periods {
     if (period_.returns.empty()) period_.first_return_ns = time;
     period_.last_return_ns = time;
     period_.returns.push_back(observation.scan);
-    if (observation.state == VoxelState::object) period_.evidence.push_back(observation.scan);
+    if (observation.state == VoxelState::object || observation.state == VoxelState::disputed)
+      period_.evidence.push_back(observation.scan);
     if (observation.state == VoxelState::background) background_.push_back(observation.scan);
   }
 
@@ -299,8 +302,9 @@ void number_objects(std::vector<OccupiedVoxel>& voxels) {
   std::erase_if(voxels, [](const OccupiedVoxel& voxel) { return voxel.object < 0; });
 }
 
-// Removes voxels of static surfaces that wrong masks cover in few scans. Rays miss a voxel in most scans if they are far apart,
-// so the masks are compared with the scans that show background in the voxel or its neighbors while it is occupied.
+// Removes voxels of static surfaces that wrong masks cover in few scans, or that the loose masks of one camera cover and those
+// of another do not. Rays miss a voxel in most scans if they are far apart, so the masks are compared with the scans that show
+// background in the voxel or its neighbors while it is occupied.
 void remove_background(std::vector<OccupiedVoxel>& voxels, const std::vector<CandidateVoxel>& candidates,
                        const MovingReturns& returns) {
   std::map<VoxelKey, const CandidateVoxel*> by_key;
@@ -319,7 +323,8 @@ void remove_background(std::vector<OccupiedVoxel>& voxels, const std::vector<Can
             const std::int64_t time = returns.time_ns(observation.scan);
             if (time <= voxel.first_ns || time >= voxel.last_ns) continue;
             if (observation.state == VoxelState::object) object.insert(observation.scan);
-            if (observation.state == VoxelState::background) background.insert(observation.scan);
+            if (observation.state == VoxelState::background || observation.state == VoxelState::disputed)
+              background.insert(observation.scan);
           }
         }
     for (const std::size_t scan : object) background.erase(scan);

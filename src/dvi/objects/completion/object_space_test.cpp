@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -81,6 +82,48 @@ TEST(ObjectSpace, IsEmptyIfFewOfManyFramesMaskAWall) {
   for (const std::size_t i : {5U, 6U, 7U}) masks[i] = situation.draw_mask(5, {Situation::houses()[8]});
   ASSERT_GT(cv::countNonZero(masks[5]), 5000);
   EXPECT_TRUE(MaskedDrive(situation.drive(), masks).find_space().empty());
+}
+
+// Finds the object space of a drive from the masks of two cameras at the same place.
+std::vector<OccupiedVoxel> find_space_of_two_cameras(const Situation& situation, const std::vector<cv::Mat1b>& first,
+                                                     const std::vector<cv::Mat1b>& second) {
+  const MaskedDrive a(situation.drive(), first), b(situation.drive(), second);
+  return find_object_space({a.cameras().front(), b.cameras().front()}, a.returns, [] {});
+}
+
+TEST(ObjectSpace, ExcludesTheHouseThatLooseMasksOfOneOfTwoCamerasCover) {
+  const Situation situation{.scans = 24, .sensor_x = [](int scan) { return 0.3 * scan; }, .movers = no_movers};
+  std::vector<cv::Mat1b> tight(24), loose(24);
+  for (int i = 0; i < 24; ++i) {
+    const auto frame = static_cast<std::size_t>(i);
+    tight[frame] = situation.draw_mask(i, {Situation::parked()});
+    loose[frame] = situation.draw_mask(i, {Situation::parked(), Situation::houses()[8]});
+  }
+  for (const auto& [first, second] : {std::pair(tight, loose), std::pair(loose, tight)}) {
+    const std::vector<OccupiedVoxel> space = find_space_of_two_cameras(situation, first, second);
+    EXPECT_GT(space.size(), 60U);
+    for (const OccupiedVoxel& voxel : space) EXPECT_TRUE(is_within(Situation::parked(), voxel)) << voxel.center().transpose();
+  }
+  const std::vector<OccupiedVoxel> agreed = find_space_of_two_cameras(situation, loose, loose);
+  EXPECT_TRUE(std::any_of(agreed.begin(), agreed.end(), [](const OccupiedVoxel& voxel) {
+    return is_within(Situation::houses()[8], voxel);
+  })) << "what both cameras mask is an object";
+}
+
+TEST(ObjectSpace, HasAnObjectThatTwoCamerasMissInDifferentFrames) {
+  const Situation situation{.scans = 24,
+                            .sensor_x = [](int scan) { return 0.3 * scan; },
+                            .movers = [](int) { return std::vector<Cuboid>{car_at(16, 3)}; }};
+  std::vector<cv::Mat1b> first(24), second(24);
+  for (int i = 0; i < 24; ++i) {  // all masks show the other car
+    const std::vector<Cuboid> one{car_at(16, 3)}, both{car_at(16, 3), Situation::parked()};
+    first[static_cast<std::size_t>(i)] = situation.draw_mask(i, i % 2 == 0 ? both : one);
+    second[static_cast<std::size_t>(i)] = situation.draw_mask(i, i % 3 == 0 ? one : both);
+  }
+  const std::vector<OccupiedVoxel> space = find_space_of_two_cameras(situation, first, second);
+  const auto parked = std::count_if(space.begin(), space.end(),
+                                    [](const OccupiedVoxel& voxel) { return is_within(Situation::parked(), voxel); });
+  EXPECT_GT(parked, 60);
 }
 
 TEST(ObjectSpace, KeepsTheReturnsOfTwoObjectsThatCross) {
