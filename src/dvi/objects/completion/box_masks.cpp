@@ -99,6 +99,7 @@ cv::Mat1b run_grab_cut(const cv::Mat3b& image, const cv::Mat1b& state) {
   cv::Mat3b small;
   cv::resize(image(cv::Rect(0, 0, reduced.cols * factor, reduced.rows * factor)), small, reduced.size(), 0, 0, cv::INTER_AREA);
   cv::Mat background_model, object_model;
+  cv::setRNGSeed(0);  // k-means, with which GrabCut begins, continues the random numbers of its thread
   cv::grabCut(small, reduced, {}, background_model, object_model, kBoxMasks.iterations, cv::GC_INIT_WITH_MASK);
   cv::Mat1b out, object((reduced == cv::GC_FGD) | (reduced == cv::GC_PR_FGD));
   cv::resize(object, out, {reduced.cols * factor, reduced.rows * factor}, 0, 0, cv::INTER_NEAREST);
