@@ -1,4 +1,4 @@
-"""Writes the page of results: Markdown, with its pictures beside it."""
+"""Writes the pages of results: Markdown, with their pictures beside them."""
 import os
 import platform
 import re
@@ -18,7 +18,7 @@ ORIGINS = {"copied": "copied", "interpolated": "interpolated", "synthesized": "s
 
 @dataclass
 class Outcome:
-    """All that the page is made of."""
+    """All that a page is made of."""
     cases: list[Case]
     methods: list[Variant]
     ablations: list[Variant]
@@ -88,17 +88,21 @@ def audited(outcome: Outcome) -> str:
     return f"{runs} runs, all pass `dvi audit`: each copied pixel was reproduced from its source, none comes from inside a mask"
 
 
+def measured(outcome: Outcome, command: str) -> str:
+    return f"""- Machine: {machine()}
+- Commit: `{commit()}`
+- Command: `{command.strip()}`
+- Provenance: {audited(outcome)}
+"""
+
+
 def head(outcome: Outcome, command: str) -> str:
     return f"""# Benchmarks
 <!-- Written by ./dev bench quality. -->
 Traffic is removed from drives whose true background is known, and the filled pixels are compared with it, inside the masks only.
 The drives are synthetic streets with exact truth, and real drives into which `dvi holdout` inserted virtual traffic.
 
-- Machine: {machine()}
-- Commit: `{commit()}`
-- Command: `{command.strip()}`
-- Provenance: {audited(outcome)}
-
+{measured(outcome, command)}
 [metrics.md](metrics.md) defines every figure. All methods are scored on the same pixels, and **copied**, **interpolated** and
 **synthesized** refer to the result of `dvi`: pixels copied from another frame, unobserved pixels that are interpolated from their
 surroundings, and unobserved pixels that get texture as well. With virtual traffic, the scored pixels are those of its masks, because
@@ -106,6 +110,7 @@ the background of the real traffic, which is removed as well, is unknown. Interv
 undefined.
 
 [benchmarks-reading.md](benchmarks-reading.md) discusses the results: where `dvi` is better, where it is worse, and why.
+[ablations.md](ablations.md) has the effect of each part of the method.
 """
 
 
@@ -135,6 +140,7 @@ def departures(outcome: Outcome) -> str:
 
 
 def ablations(outcome: Outcome) -> str:
+    """The tables: a row for each ablation, a column for each case."""
     cases, whole = outcome.ablated(), outcome.whole_ablations()
     if not whole or not cases:
         return ""
@@ -145,7 +151,7 @@ def ablations(outcome: Outcome) -> str:
         theirs, ours = outcome.evaluation(case, ablation.name)[origin], outcome.evaluation(case, DVI.name)[origin]
         return delta(theirs[figure], ours[figure], digits)
 
-    text = ["## Ablations", "`dvi` with one change minus `dvi` without it: positive values mean that the change improves the result.\n`n/a`: a single drive.\n"]
+    text = []
     for title, origin, figure, digits in (("PSNR, all, dB", "all", "psnr", 2), ("SSIM, all", "all", "ssim", 3),
                                           ("PSNR of the pixels copied by each, dB", "copied", "psnr", 2)):
         text.append(table([title, *(case.name for case in cases)],
@@ -263,8 +269,7 @@ HOW = """## Other programs and other drives
 ./dev bench quality --quick                            three cases, all methods, about 5 minutes on 2 cores
 ./dev bench quality --drive NAME=PATH@A:B              also a recording of your own: all scenarios
 ./dev bench quality --external NAME=DIR                also frames of another program
-./dev bench quality --constant NAME=VALUE              also an ablation that changes a constant of the source code
-./dev bench quality --list-constants                   prints the constants and their values
+./dev bench quality --ablations                        the parts of the method instead, into ablations.md
 ```
 To compare ProPainter or a network of your own with these results: after a first run, the cases are in
 `build/bench/quality/cases/CASE`. The program reads `drive/images/`, fills the pixels that are 255 in
@@ -276,10 +281,36 @@ options change.
 """
 
 
-def write(target: Path, images: Path, outcome: Outcome, scorer: Scorer, command: str) -> None:
+HOW_ABLATIONS = """## Other constants and other drives
+```
+./dev bench quality --ablations                        all ablations
+./dev bench quality --ablations --drive NAME=PATH@A:B  also on a recording of your own
+./dev bench quality --constant NAME=VALUE              also an ablation that changes a constant of the source code
+./dev bench quality --list-constants                   prints the constants and their values
+```
+"""
+
+
+def clear(images: Path) -> None:
     images.mkdir(parents=True, exist_ok=True)
     for old in [*images.glob("*.jpg"), *images.glob("*.svg")]:
         old.unlink()
+
+
+def what_failed(outcome: Outcome) -> str:
+    rows = [[case, what, shown(message)] for case, what, message in [*outcome.failures, *outcome.failed_audits()]]
+    return "## What failed\n" + table(["case", "what", "message"], rows, words=3) if rows else ""
+
+
+def replace(target: Path, text: list[str]) -> None:
+    new = target.with_suffix(".new")
+    new.write_text("\n".join(part for part in text if part))
+    os.replace(new, target)
+
+
+def write(target: Path, images: Path, outcome: Outcome, scorer: Scorer, command: str) -> None:
+    """The page of the methods."""
+    clear(images)
 
     def image(name: str, alt: str) -> str:
         return f"![{alt}]({os.path.relpath(images / name, target.parent)})\n"
@@ -288,11 +319,7 @@ def write(target: Path, images: Path, outcome: Outcome, scorer: Scorer, command:
     if outcome.finished():
         pictures.plot_psnr(outcome, images / "psnr.svg")
         text.append(image("psnr.svg", "PSNR of each method, case by case"))
-    text += [departures(outcome), ablations(outcome)]
-    if outcome.whole_ablations() and outcome.ablated():
-        pictures.plot_ablations(outcome, images / "ablations.svg")
-        text.append(image("ablations.svg", "The effect of each ablation, case by case"))
-    text += [incomplete_masks(outcome), confidence(outcome)]
+    text += [departures(outcome), incomplete_masks(outcome), confidence(outcome)]
     if any(outcome.evaluation(case, DVI.name)["confidence"] for case in outcome.finished()):
         pictures.plot_confidence(outcome, images / "confidence.svg")
         text.append(image("confidence.svg", "Reliability of the confidence: measured over predicted, case by case"))
@@ -310,10 +337,21 @@ def write(target: Path, images: Path, outcome: Outcome, scorer: Scorer, command:
         text.append(crops_note(names))
         text.append("The report shows every frame with the truth and the difference: "
                     f"`build/bench/quality/results/{case.name}/{DVI.name}/report.html`.\n")
-    if failures := [*outcome.failures, *outcome.failed_audits()]:
-        rows = [[case, what, shown(message)] for case, what, message in failures]
-        text += ["## What failed", table(["case", "what", "message"], rows, words=3)]
-    text.append(HOW)
-    new = target.with_suffix(".new")
-    new.write_text("\n".join(part for part in text if part))
-    os.replace(new, target)
+    text += [what_failed(outcome), HOW]
+    replace(target, text)
+
+
+def write_ablations(target: Path, images: Path, outcome: Outcome, command: str) -> None:
+    """The page of the ablations."""
+    clear(images)
+    text = [f"""# Ablations
+<!-- Written by ./dev bench quality --ablations. -->
+`dvi` with one change minus `dvi` without it, on some of the cases of the [benchmarks](benchmarks.md): positive values mean that the
+change improves the result. `n/a`: a single drive. [benchmarks-reading.md](benchmarks-reading.md#ablations) discusses the results.
+
+{measured(outcome, command)}""", ablations(outcome)]
+    if outcome.whole_ablations() and outcome.ablated():
+        pictures.plot_ablations(outcome, images / "psnr.svg")
+        text.append(f"![The effect of each ablation, case by case]({os.path.relpath(images / 'psnr.svg', target.parent)})\n")
+    text += [what_failed(outcome), HOW_ABLATIONS]
+    replace(target, text)

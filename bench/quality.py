@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Measures quality: all methods and ablations on cases with a truth, written to docs/benchmarks.md.
+"""Measures quality on cases with a truth: all methods, written to docs/benchmarks.md, or all ablations, to docs/ablations.md.
 
-    ./dev bench quality [--quick] [--external NAME=DIR]... [--drive NAME=PATH[@A:B]]... [--constant NAME=VALUE]...
+    ./dev bench quality [--quick] [--external NAME=DIR]... [--drive NAME=PATH[@A:B]]...
+    ./dev bench quality --ablations [--drive NAME=PATH[@A:B]]... [--constant NAME=VALUE]...
+    ./dev bench quality --quick --constant NAME=VALUE...
 
 Finished parts are not run again; Ctrl-C stops, and the same command resumes.
 """
@@ -51,7 +53,7 @@ class Progress:
 def plan(chosen: list[Case], methods: list[Variant], ablations: list[Variant],
          masked: Sequence[Case] = ()) -> list[tuple[Case, list[Variant]]]:
     """The runs in order: all methods before any ablation, and real drives first; dvi before other methods, because its result
-    determines the pixels to compare and the frames to show. Each ablation runs on all cases, so that the page has whole rows.
+    determines the pixels to compare and the frames to show. Each ablation runs on all cases, so that its table has whole rows.
     Only dvi runs on cases with mask errors, with and without the completion of objects."""
     others = [method for method in methods if method != variants.DVI]
     chosen = sorted(chosen, key=lambda case: case.group == cases.STREET)
@@ -160,8 +162,10 @@ def parse_external(text: str) -> tuple[str, Path]:
 def parse(arguments: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="./dev bench quality", description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true",
-                        help="three cases, all methods, ablations only of --constant: about 5 minutes; writes "
-                             "build/bench/quality/quick.md")
+                        help="three cases, all methods: about 5 minutes; with --constant two cases, and its ablations only; writes to "
+                             "build/bench/quality/quick/")
+    parser.add_argument("--ablations", action="store_true",
+                        help="the default method with one part switched off or changed, instead of the methods")
     parser.add_argument("--minutes", type=float, default=float("inf"), metavar="N",
                         help="begin no run after N minutes, and write the page with the finished ones")
     parser.add_argument("--external", action="append", default=[], metavar="NAME=DIR",
@@ -169,7 +173,7 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     parser.add_argument("--drive", action="append", default=[], metavar="NAME=PATH[@A:B]",
                         help="a recording of your own, beside the KITTI raw drives found in $DVI_DATA")
     parser.add_argument("--constant", action="append", default=[], metavar="[MODULE::]NAME=VALUE",
-                        help="an ablation that builds the program with another value of a constant, such as STRUCT.FIELD")
+                        help="implies --ablations: one more, that builds the program with another value of a constant, such as STRUCT.FIELD")
     parser.add_argument("--list-constants", action="store_true", help="print all constants and their values, and end")
     parser.add_argument("--dvi", type=Path, default=TREE / "build/release/bin/dvi", help="the program")
     options = parser.parse_args(arguments)
@@ -180,7 +184,23 @@ def parse(arguments: list[str]) -> argparse.Namespace:
         options.constant = list(dict.fromkeys(constants.parse_change(text, known) for text in options.constant))
     except ValueError as wrong:
         parser.error(str(wrong))
+    if options.quick and options.ablations:
+        parser.error("--quick --ablations: of ablations, --quick runs those of --constant only")
+    options.ablations |= bool(options.constant)
+    if options.ablations and options.external:
+        parser.error("--external: frames of another program are compared with methods, not with ablations")
     return options
+
+
+def choose(given: argparse.Namespace, changed: list[Variant]) -> Outcome:
+    """What to run."""
+    drives = recordings(given.drive)
+    differing = variants.differences(*(variants.options(given.dvi, method) for method in ("dvi", "paper")))
+    chosen = choose_cases(drives, given.quick)
+    if given.ablations:
+        ablations = () if given.quick else (*variants.ABLATIONS, *variants.published_switches(differing))
+        return Outcome([case for case in chosen if case.ablated], [variants.DVI], [*ablations, *changed], differing, [], {}, [])
+    return Outcome(chosen, list(variants.METHODS), [], differing, list(given.external), {}, [], choose_masked(drives, given.quick))
 
 
 def recordings(named: list[cases.Recording]) -> list[cases.Recording]:
@@ -202,17 +222,17 @@ def main(arguments: list[str]) -> int:
         return 1
     root = TREE / "build/bench/quality"
     scorer = Scorer(given.dvi, root)
-    differing = variants.differences(*(variants.options(given.dvi, method) for method in ("dvi", "paper")))
-    ablations = () if given.quick else (*variants.ABLATIONS, *variants.published_switches(differing))
-    drives = recordings(given.drive)
-    outcome = Outcome(choose_cases(drives, given.quick), list(variants.METHODS), [*ablations, *changed],
-                      differing, list(given.external), {}, [], choose_masked(drives, given.quick))
+    outcome = choose(given, changed)
     run_all(scorer, outcome, time.monotonic() + 60 * given.minutes)
     outcome.cases[:] = [case for case in outcome.cases if (case.name, variants.DVI.name) in outcome.results]
     run_externals(scorer, outcome, given.external)
-    target = root / "quick.md" if given.quick else TREE / "docs/benchmarks.md"
-    images = root / "quick" if given.quick else TREE / "docs/images/benchmarks"
-    page.write(target, images, outcome, scorer, "./dev bench quality " + " ".join(arguments))
+    name, folder = "ablations" if given.ablations else "benchmarks", root / "quick" if given.quick else TREE / "docs"
+    target, images = folder / f"{name}.md", folder / "images" / name
+    command = "./dev bench quality " + " ".join(arguments)
+    if given.ablations:
+        page.write_ablations(target, images, outcome, command)
+    else:
+        page.write(target, images, outcome, scorer, command)
     print(target)
     return 1 if outcome.failures or outcome.failed_audits() else 0
 

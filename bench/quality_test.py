@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
 """Tests of the quality benchmark.    quality_test.py DVI"""
+import contextlib
+import io
 import json
 import sys
 import tempfile
@@ -104,6 +106,14 @@ class Arguments(unittest.TestCase):
         for wrong in ("net", "dvi=/tmp", "masks as given=/tmp", "paper-x=/tmp", "net=/nowhere"):
             with self.assertRaises(ValueError, msg=wrong):
                 quality.parse_external(wrong)
+
+    def test_methods_and_ablations_are_chosen_separately(self):
+        self.assertFalse(quality.parse([]).ablations)
+        self.assertTrue(quality.parse(["--ablations"]).ablations)
+        self.assertTrue(quality.parse(["--quick", "--constant", "PlaceParams.min_inliers=24"]).ablations)
+        for wrong in (["--quick", "--ablations"], ["--ablations", "--external", "net=/tmp"]):
+            with self.assertRaises(SystemExit, msg=wrong), contextlib.redirect_stderr(io.StringIO()):
+                quality.parse(wrong)
 
     def test_the_page_names_no_folders_of_this_machine(self):
         self.assertEqual(page.shown("/a/b/drive_1: no scans"), "drive_1: no scans")
@@ -234,7 +244,13 @@ class FromEndToEnd(unittest.TestCase):
         self.assertIn("| `a.b` | 1 | 2 |", text)
         self.assertIn("results/street-exact/dvi/report.html", text)
         self.assertEqual({file.name for file in (root / "images").iterdir()},
-                         {"psnr.svg", "ablations.svg", "confidence.svg", "street-exact.jpg"})
+                         {"psnr.svg", "confidence.svg", "street-exact.jpg"})
+        page.write_ablations(root / "ablations.md", root / "ablations", again, "test")
+        text = (root / "ablations.md").read_text()
+        self.assertIn("Provenance: 4 runs, all pass `dvi audit`", text)
+        self.assertRegex(text, r"\| no-poisson \| [-+][0-9.]+ \|")
+        self.assertIn("](ablations/psnr.svg)", text)
+        self.assertEqual([file.name for file in (root / "ablations").iterdir()], ["psnr.svg"])
 
         scorer.call("run", "drive", "--method", "telea", "-o", root / "telea", cwd=scorer.folder(case))
         frames = root / "telea/frames"
