@@ -9,14 +9,13 @@ Ctrl-C stops, and the same command resumes.
 import argparse
 import hashlib
 import json
-import os
 import sys
 import tempfile
 from pathlib import Path
 
 from cost import costs
 from page import commit
-from scoring import read_json, write_json
+from scoring import read_json, write_json, write_text
 from tables import cell, table
 from whole_run import DVI, ROOT, WORK, at_least_one, call, guarded, machine, say
 
@@ -125,9 +124,7 @@ A target of {SOURCE_FRAMES} frames, and source drives of the same street on othe
 from the ninth on, driven in the opposite direction.
 
 {table(["source drives", *map(str, sources)], rows_of(sources))}"""
-    new = target.with_suffix(".new")
-    new.write_text(text, encoding="utf-8")
-    os.replace(new, target)
+    write_text(target, text)
 
 
 def main():

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pictures
 from cases import MASK_ERRORS, STREET, Case
-from scoring import Scorer, picture_names
+from scoring import Scorer, picture_names, write_text
 from tables import cell, delta, interval, percent, share_of, table
 from variants import AS_GIVEN, DVI, Variant, applies
 
@@ -302,27 +302,22 @@ def what_failed(outcome: Outcome) -> str:
     return "## What failed\n" + table(["case", "what", "message"], rows, words=3) if rows else ""
 
 
-def replace(target: Path, text: list[str]) -> None:
-    new = target.with_suffix(".new")
-    new.write_text("\n".join(part for part in text if part))
-    os.replace(new, target)
+def image(file: Path, target: Path, alt: str) -> str:
+    """A picture on the page `target`."""
+    return f"![{alt}]({os.path.relpath(file, target.parent)})\n"
 
 
 def write(target: Path, images: Path, outcome: Outcome, scorer: Scorer, command: str) -> None:
     """The page of the methods."""
     clear(images)
-
-    def image(name: str, alt: str) -> str:
-        return f"![{alt}]({os.path.relpath(images / name, target.parent)})\n"
-
     text = [head(outcome, command), summary(outcome)]
     if outcome.finished():
         pictures.plot_psnr(outcome, images / "psnr.svg")
-        text.append(image("psnr.svg", "PSNR of each method, case by case"))
+        text.append(image(images / "psnr.svg", target, "PSNR of each method, case by case"))
     text += [departures(outcome), incomplete_masks(outcome), confidence(outcome)]
     if any(outcome.evaluation(case, DVI.name)["confidence"] for case in outcome.finished()):
         pictures.plot_confidence(outcome, images / "confidence.svg")
-        text.append(image("confidence.svg", "Reliability of the confidence: measured over predicted, case by case"))
+        text.append(image(images / "confidence.svg", target, "Reliability of the confidence: measured over predicted, case by case"))
     text.append("## Cases")
     for case in outcome.finished():
         text.append(details(outcome, case, scorer))
@@ -332,13 +327,13 @@ def write(target: Path, images: Path, outcome: Outcome, scorer: Scorer, command:
         place = (images if ours else scorer.root / "crops") / f"{case.name}.jpg"
         place.parent.mkdir(parents=True, exist_ok=True)
         pictures.crops(outcome, case, scorer, names, place)
-        text.append(image(place.name, f"{case.name}: input, truth and each method") if ours
+        text.append(image(place, target, f"{case.name}: input, truth and each method") if ours
                     else f"Crops side by side, not part of this repository: `build/bench/quality/crops/{place.name}`.\n")
         text.append(crops_note(names))
         text.append("The report shows every frame with the truth and the difference: "
                     f"`build/bench/quality/results/{case.name}/{DVI.name}/report.html`.\n")
     text += [what_failed(outcome), HOW]
-    replace(target, text)
+    write_text(target, "\n".join(filter(None, text)))
 
 
 def write_ablations(target: Path, images: Path, outcome: Outcome, command: str) -> None:
@@ -352,6 +347,6 @@ change improves the result. `n/a`: a single drive. [benchmarks-reading.md](bench
 {measured(outcome, command)}""", ablations(outcome)]
     if outcome.whole_ablations() and outcome.ablated():
         pictures.plot_ablations(outcome, images / "psnr.svg")
-        text.append(f"![The effect of each ablation, case by case]({os.path.relpath(images / 'psnr.svg', target.parent)})\n")
+        text.append(image(images / "psnr.svg", target, "The effect of each ablation, case by case"))
     text += [what_failed(outcome), HOW_ABLATIONS]
-    replace(target, text)
+    write_text(target, "\n".join(filter(None, text)))

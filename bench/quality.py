@@ -173,7 +173,8 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     parser.add_argument("--drive", action="append", default=[], metavar="NAME=PATH[@A:B]",
                         help="a recording of your own, beside the KITTI raw drives found in $DVI_DATA")
     parser.add_argument("--constant", action="append", default=[], metavar="[MODULE::]NAME=VALUE",
-                        help="implies --ablations: one more, that builds the program with another value of a constant, such as STRUCT.FIELD")
+                        help="implies --ablations: one more, which builds the program with another value of a constant, such as "
+                             "STRUCT.FIELD")
     parser.add_argument("--list-constants", action="store_true", help="print all constants and their values, and end")
     parser.add_argument("--dvi", type=Path, default=TREE / "build/release/bin/dvi", help="the program")
     options = parser.parse_args(arguments)

@@ -42,11 +42,15 @@ def read_json(file: Path) -> dict | None:
     return json.loads(file.read_text()) if file.exists() else None
 
 
-def write_json(file: Path, document: dict) -> None:
+def write_text(file: Path, text: str) -> None:
     """Written beside, renamed: nothing half-written."""
     beside = file.with_suffix(".new")
-    beside.write_text(json.dumps(document, indent=1))
+    beside.write_text(text, encoding="utf-8")
     os.replace(beside, file)
+
+
+def write_json(file: Path, document: dict) -> None:
+    write_text(file, json.dumps(document, indent=1))
 
 
 def refusal(done: subprocess.CompletedProcess) -> str:
