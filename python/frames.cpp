@@ -56,37 +56,39 @@ py::array to_array(const cv::Mat& mat) {
   return py::array(dtype_of(mat.depth()), shape, strides, data, keep);
 }
 
-Run::Run(dvi::job::Job job, int threads, Task::Callback progress) : job_(std::move(job)), progress_(std::move(progress)) {
-  task_ = std::make_unique<Task>(threads, [this](Progress& p) {
-    const auto begin = [this](const dvi::run::FramesToFill& frames) {
-      const std::lock_guard lock(task_->mutex);
-      names_ = frames.names;
-      order_ = frames.order;
-      // The last frame of a camera is finished together with the one before it.
-      max_made_ = static_cast<std::size_t>(thread_count()) + list_cameras(names_).size();
-      missing_.assign(names_.size(), false);
-      for (const std::size_t i : frames.missing) missing_[i] = true;
-    };
-    const auto finished = [this](std::size_t number, const harmonize::FilledFrame& frame) { push(number, frame); };
-    const dvi::result::RunReport report = dvi::run::run(job_, p, {.begin = begin, .finished = finished});
-    const std::lock_guard lock(task_->mutex);
-    report_ = dvi::result::to_json(report);
-    if (!names_.empty()) return;
-    names_ = report.frame_names();  // the result was there already
-    order_ = report.frame_order();
+Run::Run(dvi::job::Job job, int threads, Task::Callback progress)
+    : job_(std::move(job)), progress_(std::move(progress)), task_(threads, [this](Progress& p) { make(p); }) {
+  task_.start();
+}
+
+void Run::make(Progress& progress) {
+  const auto begin = [this](const dvi::run::FramesToFill& frames) {
+    const std::lock_guard lock(task_.mutex);
+    names_ = frames.names;
+    order_ = frames.order;
+    // The last frame of a camera is finished together with the one before it.
+    max_made_ = static_cast<std::size_t>(thread_count()) + list_cameras(names_).size();
     missing_.assign(names_.size(), false);
-  });
-  task_->start();
+    for (const std::size_t i : frames.missing) missing_[i] = true;
+  };
+  const auto finished = [this](std::size_t number, const harmonize::FilledFrame& frame) { push(number, frame); };
+  const dvi::result::RunReport report = dvi::run::run(job_, progress, {.begin = begin, .finished = finished});
+  const std::lock_guard lock(task_.mutex);
+  report_ = dvi::result::to_json(report);
+  if (!names_.empty()) return;
+  names_ = report.frame_names();  // the result was there already
+  order_ = report.frame_order();
+  missing_.assign(names_.size(), false);
 }
 
 void Run::push(std::size_t number, const harmonize::FilledFrame& filled) {
   auto frame = std::make_shared<const Frame>(to_frame(names_[number], number, filled));
-  std::unique_lock lock(task_->mutex);
+  std::unique_lock lock(task_.mutex);
   // A frame that is next always fits: others may wait for it.
-  task_->changed.wait(lock, [&] { return task_->canceled || drained_ || number == order_[next_] || made_.size() < max_made_; });
-  if (task_->canceled) throw Interrupted();
+  task_.changed.wait(lock, [&] { return task_.canceled || drained_ || number == order_[next_] || made_.size() < max_made_; });
+  if (task_.canceled) throw Interrupted();
   if (!drained_) made_[number] = std::move(frame);
-  task_->changed.notify_all();
+  task_.changed.notify_all();
 }
 
 Frame Run::read(std::size_t number) const {
@@ -107,13 +109,13 @@ Frame Run::read(std::size_t number) const {
 }
 
 std::shared_ptr<const Frame> Run::next() {
-  if (!task_) return nullptr;
+  if (closed_) return nullptr;
   const auto ready = [this] { return next_ < order_.size() && (!missing_[order_[next_]] || made_.contains(order_[next_])); };
-  task_->wait(progress_, ready);
+  task_.wait(progress_, ready);
   std::shared_ptr<const Frame> frame;
   bool read_it = false;
   {
-    const std::lock_guard lock(task_->mutex);
+    const std::lock_guard lock(task_.mutex);
     if (const auto made = made_.find(next_ < order_.size() ? order_[next_] : order_.size()); made != made_.end()) {
       frame = std::move(made->second);
       made_.erase(made);
@@ -121,22 +123,27 @@ std::shared_ptr<const Frame> Run::next() {
       read_it = ready();
     }
     if (frame || read_it) ++next_;
-    task_->changed.notify_all();
+    task_.changed.notify_all();
   }
   if (read_it) return std::make_shared<const Frame>(read(order_[next_ - 1]));
-  if (!frame) task_->finish(progress_);
+  if (!frame) task_.finish(progress_);
   return frame;
 }
 
 void Run::finish() {
-  if (!task_) return;
+  if (closed_) return;
   {
-    const std::lock_guard lock(task_->mutex);
+    const std::lock_guard lock(task_.mutex);
     drained_ = true;
     made_.clear();
-    task_->changed.notify_all();
+    task_.changed.notify_all();
   }
-  task_->finish(progress_);
+  task_.finish(progress_);
+}
+
+void Run::close() {
+  task_.cancel();
+  closed_ = true;
 }
 
 }  // namespace dvi::python

@@ -37,16 +37,18 @@ class Run {
   /// report.json; empty before the end.
   const std::string& report() const { return report_; }
   const std::string& out() const { return job_.out; }
-  std::size_t frames() const { return names_.size(); }
-  void close() { task_.reset(); }
+  /// Stops the run at its next step and waits for that. No frames follow.
+  void close();
 
  private:
+  void make(Progress& progress);
   void push(std::size_t number, const harmonize::FilledFrame& frame);
   Frame read(std::size_t number) const;
 
   dvi::job::Job job_;
   Task::Callback progress_;
   std::string report_;
+  bool closed_ = false;
   // Under the task's lock from here on.
   std::vector<std::string> names_;
   std::vector<std::size_t> order_;  // indices in order of time
@@ -55,7 +57,7 @@ class Run {
   std::size_t next_ = 0;      // position in order_
   std::size_t max_made_ = 1;  // frames that wait in made_
   bool drained_ = false;      // no further frames are requested
-  std::unique_ptr<Task> task_;
+  Task task_;                 // the last member, so that it ends before the others do
 };
 
 }  // namespace dvi::python

@@ -128,6 +128,18 @@ def test_arrays_outlive_their_frame_and_are_not_copied(street):
     assert np.array_equal(image, before)
 
 
+def test_a_run_is_closed_while_a_frame_waits(street, tmp_path):
+    with dvi.run(street, method="telea", out=tmp_path / "out", threads=1) as run:
+        assert next(run).name == "000000"
+        # With one thread and one camera two frames wait for their turn, and the next for a place.
+        until = time.monotonic() + 60
+        while not (tmp_path / "out/frames/000003.png").exists() and time.monotonic() < until:
+            time.sleep(0.01)
+        time.sleep(0.2)
+    with pytest.raises(StopIteration):
+        next(run)
+
+
 def test_an_object_gives_the_frames_of_the_folder(street, result):
     frames = list(dvi.run(Street(street)))
     assert len(frames) == 5
