@@ -109,7 +109,6 @@ Frame Run::read(std::size_t number) const {
 }
 
 std::shared_ptr<const Frame> Run::next() {
-  if (closed_) return nullptr;
   const auto ready = [this] { return next_ < order_.size() && (!missing_[order_[next_]] || made_.contains(order_[next_])); };
   task_.wait(progress_, ready);
   std::shared_ptr<const Frame> frame;
@@ -131,7 +130,6 @@ std::shared_ptr<const Frame> Run::next() {
 }
 
 void Run::finish() {
-  if (closed_) return;
   {
     const std::lock_guard lock(task_.mutex);
     drained_ = true;
@@ -139,11 +137,6 @@ void Run::finish() {
     task_.changed.notify_all();
   }
   task_.finish(progress_);
-}
-
-void Run::close() {
-  task_.cancel();
-  closed_ = true;
 }
 
 }  // namespace dvi::python

@@ -37,8 +37,8 @@ class Run {
   /// report.json; empty before the end.
   const std::string& report() const { return report_; }
   const std::string& out() const { return job_.out; }
-  /// Stops the run at its next step and waits for that. No frames follow.
-  void close();
+  /// Stops the run at its next step and waits for that. The last call.
+  void close() { task_.cancel(); }
 
  private:
   void make(Progress& progress);
@@ -48,7 +48,6 @@ class Run {
   dvi::job::Job job_;
   Task::Callback progress_;
   std::string report_;
-  bool closed_ = false;
   // Under the task's lock from here on.
   std::vector<std::string> names_;
   std::vector<std::size_t> order_;  // indices in order of time

@@ -132,9 +132,10 @@ def test_a_run_is_closed_while_a_frame_waits(street, tmp_path):
     with dvi.run(street, method="telea", out=tmp_path / "out", threads=1) as run:
         assert next(run).name == "000000"
         # With one thread and one camera two frames wait for their turn, and the next for a place.
-        until = time.monotonic() + 60
-        while not (tmp_path / "out/frames/000003.png").exists() and time.monotonic() < until:
+        written, until = tmp_path / "out/frames/000003.png", time.monotonic() + 60
+        while not written.exists() and time.monotonic() < until:
             time.sleep(0.01)
+        assert written.exists()
         time.sleep(0.2)
     with pytest.raises(StopIteration):
         next(run)
